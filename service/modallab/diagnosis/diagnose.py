@@ -5,8 +5,10 @@ from dataclasses import replace
 
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
+from modallab.core.line_options import line_mask
 from modallab.core.progress import Progress, Pulse, part, silent
-from modallab.diagnosis.fitting.fit import fit
+from modallab.diagnosis.fitting.fit import Fit, fit
+from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.diagnosis.localisation.locate import locate
 from modallab.diagnosis.optimisation.nuisances import nuisance_parameters
@@ -14,13 +16,14 @@ from modallab.diagnosis.optimisation.tolerances import NO_TOLERANCES, Tolerances
 from modallab.diagnosis.options import DiagnosisOptions
 from modallab.diagnosis.predicting.comparability import check_comparable
 from modallab.diagnosis.predicting.follow_up import FollowUp
-from modallab.diagnosis.predicting.held_out import outlying_responses, select_held_out
+from modallab.diagnosis.predicting.held_out import outlying_frfs, select_held_out
 from modallab.diagnosis.predicting.joint_prediction import JointPredictor
 from modallab.diagnosis.predicting.limitations import limitations
 from modallab.diagnosis.predicting.prediction_budget import PredictionBudget
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.predicting.settings import BUDGET
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
+from modallab.diagnosis.residuals.frf_selection import FrfSelection
 from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.residuals.residual import gap_error
 from modallab.diagnosis.result import Diagnosis, Step, Verdict
@@ -30,6 +33,7 @@ from modallab.diagnosis.searching.search import search
 from modallab.diagnosis.searching.search_round import Suspects
 from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.diagnosis.test_design.proposal import next_test
+from modallab.fe.damping import UnknownDamping
 from modallab.fe.structure import Structure
 from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.measurement import Measurement
@@ -60,7 +64,10 @@ def diagnose_with_options(
     """
 
     def with_stated_error(test: Measurement) -> Measurement:
-        return replace(test, noise_floor=options.noise_floor)
+        lines = line_mask(test.frf.freq, options.bands, options.exclude)
+        # A test of this service has ideal values where its log book leaves something out.
+        setup = test.setup if test.route is None else test.setup.simulated
+        return replace(test.at(lines), noise_floor=options.noise_floor, setup=setup)
 
     diagnosis = diagnose(
         structure,
@@ -103,8 +110,8 @@ def diagnose(
     suspects
         Kinds of effects to consider; None for all.
     hold_out_fraction, hold_out
-        Fraction of the FRFs that takes no part in any fit, and responses that take no part in any case;
-        FRFs of responses that were not measured are predicted.
+        Fraction of the FRFs that takes no part in any fit, and responses, or points that a roving hammer
+        struck, that take no part in any case; FRFs of responses that were not measured are predicted.
     tolerances
         Prior standard deviations of nuisance parameters, fitted together with the missing effects.
     follow_ups
@@ -125,20 +132,11 @@ def diagnose(
     tests = [measurement, *(follow_up.with_consistent_log_book(measurement) for follow_up in follow_ups)]
     for test in tests:
         check_comparable(structure, test)
-    held_out_dofs, unmeasured = select_held_out(structure, measurement, hold_out_fraction, hold_out, seed)
     pulse = Pulse(progress)
     pulse(0.0, "predicting the tests from model and log book")
-    predictor = _predictor(structure, tests, held_out_dofs, hold_out_fraction, tolerances, pulse)
-    start = fit(predictor, ())
-    # Only now, with the nuisance parameters fitted, do channels with a gross error stand out.
-    outliers = outlying_responses(predictor.observed, start.residual) if tolerances != NO_TOLERANCES else ()
-    chosen_points = {dof.point for dof in held_out_dofs} - {dof.point for dof in hold_out}
-    if {dof.point for dof in outliers} & chosen_points:
-        held_out_dofs, _ = select_held_out(
-            structure, measurement, hold_out_fraction, hold_out, seed, spared=outliers
-        )
-        predictor = _predictor(structure, tests, held_out_dofs, hold_out_fraction, tolerances, pulse)
-        start = fit(predictor, ())
+    predictor, start, unmeasured = _first_prediction(
+        structure, tests, hold_out_fraction, hold_out, tolerances, seed, pulse
+    )
     observed = predictor.observed
     evidence = collect_evidence(predictor.tests[0], [])
     least_suspicion = DIAGNOSIS.least_suspicion if suspects is None else 0.0
@@ -169,6 +167,35 @@ def diagnose(
     )
 
 
+def _first_prediction(
+    structure: Structure,
+    tests: Sequence[Measurement],
+    hold_out_fraction: float,
+    hold_out: Sequence[Dof],
+    tolerances: Tolerances,
+    seed: int,
+    pulse: Pulse,
+) -> tuple[Predictor, Fit, tuple[Dof, ...]]:
+    """Return the predictor, its fit without missing effects, and the held-out responses without a test.
+
+    Only with the nuisance parameters fitted do channels with a gross error stand out; these are not held out.
+    """
+    first = tests[0]
+    held_out, unmeasured = select_held_out(structure, first, hold_out_fraction, hold_out, seed)
+    predictor = _predictor(structure, tests, held_out, hold_out_fraction, tolerances, pulse)
+    start = fit(predictor, ())
+    outliers = set[FrfSelection]()
+    if tolerances != NO_TOLERANCES:
+        roving_hammer = len(first.setup.drives) > 1
+        outliers = set(outlying_frfs(predictor.observed, start.residual, roving_hammer=roving_hammer))
+    named, _ = select_held_out(structure, first, 0.0, hold_out, seed)
+    if outliers & (set(held_out) - set(named)):
+        held_out, _ = select_held_out(structure, first, hold_out_fraction, hold_out, seed, spared=outliers)
+        predictor = _predictor(structure, tests, held_out, hold_out_fraction, tolerances, pulse)
+        start = fit(predictor, ())
+    return predictor, start, unmeasured
+
+
 def _budget_note(predictor: Predictor, explained: bool) -> tuple[str, ...]:
     """Return a note if the search ended because its budget of predictions was used up."""
     if explained or not predictor.budget.exhausted:
@@ -182,19 +209,27 @@ def _budget_note(predictor: Predictor, explained: bool) -> tuple[str, ...]:
 def _predictor(
     structure: Structure,
     tests: Sequence[Measurement],
-    held_out_dofs: Sequence[Dof],
+    held_out: Sequence[FrfSelection],
     fraction: float,
     tolerances: Tolerances,
     pulse: Pulse,
 ) -> Predictor:
     """Return the predictor of all tests, with nuisance parameters free within their tolerances."""
-    observations = [observe(test, held_out_dofs, fraction=fraction) for test in tests]
+    observations = [observe(test, held_out, fraction=fraction) for test in tests]
     budget = PredictionBudget(BUDGET.predictions_per_test * len(tests))
     first = SingleTestPredictor.of(
         structure, tests[0].setup, observations[0], heartbeat=pulse.beat, budget=budget
     )
     all_responses = _with_all_responses([test.setup for test in tests])
-    first = first.with_nuisances(nuisance_parameters(tolerances, first.system, all_responses))
+    nuisances = nuisance_parameters(
+        tolerances,
+        first.system,
+        all_responses,
+        damping_unknown=isinstance(structure.damping, UnknownDamping),
+    )
+    first = first.with_nuisances(nuisances)
+    for _ in range(FIT.unknown_damping_fits if nuisances.damping_free else 0):
+        first = first.with_nuisances_at(fit(first, ()).nuisance_position)
     follow_up_predictors = [
         first.follow_up(test.setup, observed)
         for test, observed in zip(tests[1:], observations[1:], strict=True)
@@ -226,9 +261,11 @@ def suspected(predictor: Predictor, kinds: Sequence[str] | None) -> list[Effect]
     """
     defaults = [kind for kind, cls in EFFECTS.items() if cls.suspected]
     chosen = defaults if kinds is None else list(dict.fromkeys(kinds))
+    free_damping = predictor.nuisances.damping_free
     suspects = [
         EFFECTS[kind](at=place)
         for kind in chosen
+        if not (free_damping and EFFECTS[kind].of_stated_damping)
         for place in EFFECTS[kind].places(predictor.system, predictor.setup)
     ]
     if not suspects:

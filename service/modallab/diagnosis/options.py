@@ -3,6 +3,7 @@
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from modallab.core.line_options import LineOptions
 from modallab.core.options import Options, option
 from modallab.diagnosis.optimisation.tolerances import NO_TOLERANCES, Tolerances
 
@@ -20,7 +21,7 @@ class HoldOut(Options):
 
 
 @dataclass(frozen=True)
-class DiagnosisOptions(Options):
+class DiagnosisOptions(LineOptions):
     """How a diagnosis is made."""
 
     suspects: tuple[str, ...] | None = option(
@@ -52,6 +53,9 @@ class DiagnosisOptions(Options):
             "hold_out": {"fraction": self.hold_out.fraction, "dofs": list(self.hold_out.dofs)},
             "max_effects": self.max_effects,
         }
+        for name, bands in (("bands", self.bands), ("exclude", self.exclude)):
+            if bands:
+                stated[name] = [list(band) for band in bands]
         if self.tolerances != NO_TOLERANCES:
             stated["tolerances"] = {name: value for name, value in asdict(self.tolerances).items() if value}
         return stated if self.noise_floor is None else stated | {"noise_floor": self.noise_floor}

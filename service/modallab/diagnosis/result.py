@@ -3,11 +3,10 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Annotated
 
 from modallab.core.dof import Dof
 from modallab.core.place import Place
-from modallab.core.reply import NanFloat, NotInReply
+from modallab.core.reply import NanFloat
 from modallab.diagnosis.result_curves import DiagnosisCurves
 from modallab.fe.structure import Structure
 from modallab.rig.setup import RigSetup
@@ -119,7 +118,7 @@ class GapPattern(StrEnum):
 
     FORCE_ONLY = "force_only"  # FRFs and incoherent response spectra agree
     COHERENCE_ONLY = "coherence_only"  # FRFs and force spectra agree
-    ONE_RESPONSE = "one_response"  # all other responses agree
+    ONE_RESPONSE = "one_response"  # all other FRFs agree
     DRIVE_POINT_ONLY = "drive_point_only"
     LOW_FREQUENCY = "low_frequency"  # only the lowest quarter of the band disagrees
     HIGH_FREQUENCY = "high_frequency"  # only the highest quarter of the band disagrees
@@ -155,12 +154,12 @@ class ChannelError(StrEnum):
 
 @dataclass(frozen=True)
 class ResponseMisfit:
-    """Deviation of the FRF of one response, averaged over all lines, with standard errors."""
+    """Deviation of one FRF, averaged over all lines, with standard errors."""
 
     dof: Dof
     """Measured DoF of the response."""
     gap: NanFloat
-    """Mean squared residual of the response."""
+    """Mean squared residual of the FRF."""
     amplitude: NanFloat
     """Amplitude ratio, measured over predicted."""
     amplitude_error: NanFloat
@@ -175,6 +174,8 @@ class ResponseMisfit:
     """s, standard error of `delay`."""
     course: ChannelError | None = None
     """Channel error that accounts for nearly all of the gap; None: no single one does."""
+    drive: Dof | None = None
+    """DoF of the force; None: in results of earlier versions, which had one drive point."""
 
 
 @dataclass(frozen=True)
@@ -184,7 +185,7 @@ class Localisation:
     bands: tuple[tuple[float, float], ...] = ()
     """Hz, lower and upper limits of the frequency bands that disagree."""
     dofs: tuple[Dof, ...] = ()
-    """Responses that disagree most."""
+    """Responses that disagree most; with a roving hammer struck points too."""
     modes: tuple[int, ...] = ()
     """Elastic modes of the model, counted from 1, in the bands that disagree."""
     words: tuple[str, ...] = ()
@@ -194,7 +195,7 @@ class Localisation:
     mode_shifts: tuple[ModeShift, ...] = ()
     """Shifts of natural frequencies and loss factors."""
     responses: tuple[ResponseMisfit, ...] = ()
-    """Deviation of each response."""
+    """Deviation of each FRF."""
     level_dependence: float | None = None
     """Mean squared normalised difference of FRFs at two force levels; None: one level only."""
 
@@ -229,11 +230,11 @@ class Diagnosis:
     """Standard deviation of `remaining_gap` if no effect is missing."""
     gaps: Mapping[str, Mapping[str, NanFloat]]
     """Gap of each part (FRFs, force spectra, response spectra) under `before` and `after`."""
-    structure: Annotated[Structure, NotInReply("stored under `structure_id`")]
+    structure: Structure
     """Model with the added effects."""
-    setup: Annotated[RigSetup, NotInReply("stored under `rig_id`")]
+    setup: RigSetup
     """Log book with the added effects."""
-    curves: Annotated[DiagnosisCurves, NotInReply("told in `/arrays`")]
+    curves: DiagnosisCurves
     """Measured and predicted FRFs and spectra."""
     candidates: tuple[Rival, ...] = ()
     """All effects fitted in the first round, best first."""
@@ -243,7 +244,7 @@ class Diagnosis:
     """Nuisance parameters that were free within their tolerances."""
     follow_ups: tuple[Mapping[str, object], ...] = ()
     """Changes of each further test against the first."""
-    seed: Annotated[int | None, NotInReply("told by the entry")] = None
+    seed: int | None = None
     """Seed from which the held-out FRFs were drawn."""
     request_options: Mapping[str, object] = field(default_factory=dict)
     """Options of the request, to repeat it."""

@@ -26,6 +26,7 @@ from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.diagnosis.test_design.proposal import equivalent_fits, named_fit
 from modallab.fe.structure import Structure
 from modallab.rig.effect import Effect
+from modallab.rig.frf_channel import FrfLayout
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 
@@ -48,7 +49,7 @@ def tolerated(predictor: Predictor, best: Fit) -> tuple[ToleratedParameter, ...]
             at=nuisance.at,
             mode=nuisance.mode,
             value=nuisance.value(float(position)),
-            standard_error=nuisance.standard_deviation * float(error),
+            standard_error=nuisance.standard_error(float(position), float(error)),
             tolerance=nuisance.standard_deviation,
             unit=nuisance.unit,
         )
@@ -122,13 +123,15 @@ def curves(
     fitted = predictor.with_nuisances_at(best.nuisance_position)
     predicted = fitted.unmeasured_inertance(best.effects, unmeasured) if unmeasured else None
     initial, final = predictor.predict(()), fitted.predict(best.effects)
+    by_dofs = FrfLayout.of(observed.channels, measurement.frf.outputs, measurement.frf.inputs).by_dofs
+    held_out = by_dofs(observed.held_out)
     return DiagnosisCurves(
         freq=observed.freq,
-        measured=observed.h[..., None],
-        before=initial.h[..., None],
-        after=final.h[..., None],
-        random_error=observed.error[..., None],
-        held_out=observed.held_out,
+        measured=by_dofs(observed.h),
+        before=by_dofs(initial.h),
+        after=by_dofs(final.h),
+        random_error=by_dofs(observed.error),
+        held_out=held_out if held_out.shape[1] > 1 else held_out[:, 0],
         outputs=measurement.frf.outputs,
         inputs=measurement.frf.inputs,
         predicted=predicted,

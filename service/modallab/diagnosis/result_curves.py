@@ -1,10 +1,11 @@
 """Measured and predicted FRFs and auto spectra of a diagnosis."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
-from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, frozen
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray, frozen
 from modallab.core.dof import Dof
 
 
@@ -29,6 +30,37 @@ class Spectra:
 
 
 @dataclass(frozen=True, eq=False)
+class FrfCurves:
+    """Compared FRFs side by side, of one drive point after the other."""
+
+    freq: FloatArray
+    """Hz, (n_freq,)."""
+    measured: ComplexArray
+    """m/(s^2 N), (n_freq, n_frf)."""
+    before: ComplexArray
+    """m/(s^2 N), (n_freq, n_frf), predicted without added effects."""
+    after: ComplexArray
+    """m/(s^2 N), (n_freq, n_frf), predicted with the added effects."""
+    random_error: FloatArray
+    """(n_freq, n_frf), relative random error of |H|."""
+    held_out: BoolArray
+    """(n_frf,), True for FRFs that took no part in any fit."""
+    outputs: tuple[Dof, ...]
+    """Response of each FRF."""
+    inputs: tuple[Dof, ...]
+    """Drive point of each FRF."""
+
+    def name(self, i: int) -> str:
+        """Return response and drive point of an FRF."""
+        return f"{self.outputs[i]} / {self.inputs[i]}"
+
+    def at_lines(self, lines: IntArray) -> "FrfCurves":
+        """Return the FRFs at some lines."""
+        names = ("freq", "measured", "before", "after", "random_error")
+        return replace(self, **{name: getattr(self, name)[lines] for name in names})
+
+
+@dataclass(frozen=True, eq=False)
 class DiagnosisCurves:
     """Compared FRFs, H1 estimates as inertance, and auto spectra where they were measured."""
 
@@ -43,7 +75,7 @@ class DiagnosisCurves:
     random_error: FloatArray
     """(n_freq, n_out, n_in), relative random error of |H|."""
     held_out: BoolArray
-    """(n_out,), True for responses that took no part in any fit."""
+    """(n_out,), True for responses that took no part in any fit; (n_out, n_in) with a roving hammer."""
     outputs: tuple[Dof, ...]
     """Measured responses."""
     inputs: tuple[Dof, ...]
@@ -64,8 +96,28 @@ class DiagnosisCurves:
         object.__setattr__(self, "freq", frozen(self.freq, float, shape[:1], name="freq"))
         errors = frozen(self.random_error, float, shape, name="random_error")
         object.__setattr__(self, "random_error", errors)
-        object.__setattr__(self, "held_out", frozen(self.held_out, bool, shape[1:2], name="held_out"))
+        held_out_shape = shape[1:] if shape[2] > 1 else shape[1:2]
+        object.__setattr__(self, "held_out", frozen(self.held_out, bool, held_out_shape, name="held_out"))
         if self.predicted is not None:
             predicted_shape = (shape[0], len(self.predicted_outputs), shape[2])
             predicted = frozen(self.predicted, complex, predicted_shape, name="predicted")
             object.__setattr__(self, "predicted", predicted)
+
+    @cached_property
+    def by_frf(self) -> FrfCurves:
+        """The compared FRFs side by side."""
+        n_out, n_in = len(self.outputs), len(self.inputs)
+        measured, before, after = (
+            array.swapaxes(1, 2).reshape(len(self.freq), -1)
+            for array in (self.measured, self.before, self.after)
+        )
+        return FrfCurves(
+            self.freq,
+            measured,
+            before,
+            after,
+            self.random_error.swapaxes(1, 2).reshape(len(self.freq), -1),
+            self.held_out.T.ravel(),
+            self.outputs * n_in,
+            tuple(drive for drive in self.inputs for _ in range(n_out)),
+        )

@@ -1,15 +1,15 @@
-"""Updating methods on modes: their interface and their result."""
+"""Updating methods on modes or frequency responses: their interface and their result."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, Any, Protocol
+from typing import Any, Generic, Protocol, TypeVar
 
 from modallab.core.arrays import FloatArray, frozen
 from modallab.core.modal_model import ModalModel
 from modallab.core.options import converted
 from modallab.core.progress import Progress, silent
 from modallab.core.registry import Family, first_line
-from modallab.core.reply import NanFloat, NotInReply
+from modallab.core.reply import NanFloat
 from modallab.fe.structure import Structure
 from modallab.updating.identifiability import Identifiability
 from modallab.updating.iteration import Iteration
@@ -50,7 +50,7 @@ class Stages:
 class UpdateResult:
     """Result of an update: coefficients are 1 where nothing is corrected, for damping 0."""
 
-    structure: Annotated[Structure, NotInReply("is a resource")]
+    structure: Structure
     """Updated model."""
     coefficients: Mapping[str, Mapping[int, float]]
     """Coefficients by part and member."""
@@ -91,19 +91,22 @@ class UpdateResult:
         object.__setattr__(self, "iterations", counts)
 
 
-class Updater(Protocol):
-    """Updating method that corrects a model to measured modes."""
+TargetT = TypeVar("TargetT", contravariant=True)
+
+
+class Updater(Protocol[TargetT]):
+    """Updating method that corrects a model to a target, measured modes or measured frequency responses."""
 
     def __call__(
         self,
         structure: Structure,
         parameterisation: Parameterisation,
-        target: ModalModel,
+        target: TargetT,
         *,
         options: Any = ...,
         progress: Progress = silent,
     ) -> UpdateResult:
-        """Return the updated model with its coefficients."""
+        """Return the updated model and how it was found."""
         ...
 
 
@@ -112,11 +115,11 @@ MASS_STIFFNESS_AND_DAMPING = (Part.MASS, Part.STIFFNESS, Part.DAMPING)
 
 
 @dataclass(frozen=True)
-class ModalUpdatingMethod:
-    """An updating method on modes with its options; called, it corrects a model."""
+class UpdatingMethod(Generic[TargetT]):
+    """An updating method with its options; called, it corrects a model."""
 
-    update: Updater
-    """Correction of a structure by measured modes."""
+    update: Updater[TargetT]
+    """Correction of a structure by measured modes or frequency responses."""
     options: type[UpdateOptions]
     """Options dataclass of the method."""
     parts: tuple[Part, ...] = MASS_AND_STIFFNESS
@@ -131,7 +134,7 @@ class ModalUpdatingMethod:
         self,
         structure: Structure,
         parameterisation: Parameterisation,
-        target: ModalModel,
+        target: TargetT,
         *,
         options: UpdateOptions | None = None,
         progress: Progress = silent,
@@ -141,4 +144,4 @@ class ModalUpdatingMethod:
         return self.update(structure, parameterisation, target, options=chosen, progress=progress)
 
 
-UPDATERS: Family[ModalUpdatingMethod] = Family("updating method", home="modallab.updating.methods")
+UPDATERS: Family[UpdatingMethod[ModalModel]] = Family("updating method", home="modallab.updating.methods")

@@ -1,16 +1,17 @@
 """All updating methods by name, with their options."""
 
 from collections.abc import Mapping
+from typing import Any
 
-from modallab.core.errors import InvalidInputError
 from modallab.core.options import OptionSpec
+from modallab.core.registry import member
 from modallab.updating.direct.method import DIRECT_METHODS, RegisteredDirectMethod
 from modallab.updating.error_location.method import LOCATORS, ErrorLocationMethod
-from modallab.updating.method import UPDATERS, ModalUpdatingMethod
+from modallab.updating.method import UPDATERS, UpdatingMethod
 from modallab.updating.part import Part
-from modallab.updating.responses.method import RESPONSE_UPDATERS, ResponseUpdatingMethod
+from modallab.updating.responses.method import RESPONSE_UPDATERS
 
-Method = ModalUpdatingMethod | ResponseUpdatingMethod | ErrorLocationMethod | RegisteredDirectMethod
+Method = UpdatingMethod[Any] | ErrorLocationMethod | RegisteredDirectMethod
 
 METHODS: Mapping[str, Method] = {**UPDATERS, **RESPONSE_UPDATERS, **DIRECT_METHODS, **LOCATORS}
 
@@ -23,14 +24,7 @@ def method_called(name: str) -> Method:
     InvalidInputError
         If there is no such method.
     """
-    if name not in METHODS:
-        raise InvalidInputError(
-            f"no updating method called {name!r}",
-            field="method",
-            value=name,
-            allowed=sorted(METHODS),
-        )
-    return METHODS[name]
+    return member(METHODS, name, "updating method", field="method")
 
 
 def method_options(method: str) -> Mapping[str, OptionSpec]:

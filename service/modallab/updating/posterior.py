@@ -1,12 +1,10 @@
 """Samples of a posterior distribution of coefficients."""
 
 from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
 
 from modallab.core.arrays import FloatArray, frozen
-from modallab.core.reply import NotInReply
 from modallab.updating.parameterisation import MacroElement, Part
 from modallab.updating.settings import ENSEMBLE
 
@@ -35,7 +33,7 @@ class SampledCoefficient:
 class PosteriorSample:
     """Draws from the posterior of the free coefficients, with their autocorrelation."""
 
-    macros: Annotated[tuple[MacroElement, ...], NotInReply("is told with each coefficient")]
+    macros: tuple[MacroElement, ...]
     """(n_free,) macro element of each free coefficient."""
     draws: FloatArray
     """Coefficients (n_draws, n_free)."""

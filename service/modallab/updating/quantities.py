@@ -1,9 +1,11 @@
 """Corrected properties in their own units, before and after an update."""
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 
 from modallab.core.arrays import FloatArray
 from modallab.core.numerics import COMPARISON_ROUNDING
+from modallab.core.reply import NanFloat
 from modallab.fe.members import AnyMember, MatrixElement
 from modallab.fe.section_size import size
 from modallab.fe.structure import Structure
@@ -44,6 +46,12 @@ class Quantity:
     """Updated value."""
     interval: tuple[float, float] | None
     """95 % confidence interval by the data alone; None without an error estimate."""
+    change: NanFloat = field(init=False)
+    """1, relative change: updated over original value, minus 1; None of a value that was 0."""
+
+    def __post_init__(self) -> None:
+        change = self.after / self.before - 1 if self.before else math.nan
+        object.__setattr__(self, "change", change)
 
 
 def quantities(

@@ -16,7 +16,7 @@ from modallab.fe.structure import Material
 from modallab.fe.synthetic_modes import ModeNoise
 from modallab.updating.method import UPDATERS, UpdateResult
 from modallab.updating.options import UpdateOptions
-from modallab.updating.parameterisation import parameterise
+from modallab.updating.parameterisation import Part, parameterise
 from modallab.updating.partitioning import automatic_groups
 from modallab.updating.quantities import Quantity, quantities
 from tests.service.updating.cases import BAY, BAY_DOFS, BEAM, BEAM_DOFS, modes_of
@@ -165,3 +165,10 @@ def test_members_given_by_matrices_have_multiples_and_no_units() -> None:
     result = UPDATERS["one_shot"](given, parameterise([given.groups["all"]], ("modulus",)), target)
     assert result.coefficients["modulus"][1] == pytest.approx(1.3, abs=EXACT)
     assert result.quantities == ()
+
+
+def test_the_change_is_relative_to_the_value_before_and_undetermined_from_zero() -> None:
+    assert Quantity(Part.AREA, (1,), "m^2", 2e-4, 2.5e-4, None).change == pytest.approx(
+        0.25, rel=1e-12
+    )  # rounding
+    assert np.isnan(Quantity(Part.AREA, (1,), "m^2", 0.0, 1e-4, None).change)

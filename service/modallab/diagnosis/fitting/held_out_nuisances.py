@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.optimize import lsq_linear
+import scipy
 
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.numerics import COMPARISON_ROUNDING
@@ -47,5 +47,5 @@ def fit_held_out_nuisances(
         -limit - COMPARISON_ROUNDING - position[indices],
         limit + COMPARISON_ROUNDING - position[indices],
     )
-    position[indices] += lsq_linear(rows, target, bounds, method="bvls").x
+    position[indices] += scipy.optimize.lsq_linear(rows, target, bounds, method="bvls").x
     return position.clip(-limit, limit)

@@ -32,6 +32,12 @@ class FitSettings(Settings):
     coarse_evaluations: int = setting(
         4, unit="evaluations", doc="evaluations of a coarse fit at each noise inflation", tuned=TESTS
     )
+    unknown_damping_fits: int = setting(
+        3,
+        unit="fits",
+        doc="fits of unknown loss factors before a search, each from where the one before ended",
+        derived="they may be a factor 90 off, a fit is meant for starts near the solution",
+    )
     near_noise: float = setting(
         2.0, doc="mean square of the residuals below which a fit is worth finishing", tuned=TESTS
     )

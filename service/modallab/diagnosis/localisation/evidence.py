@@ -27,7 +27,7 @@ def collect_evidence(predictor: SingleTestPredictor, effects: Sequence[Effect]) 
         outputs=observed.outputs,
         drive=predictor.setup.drive,
         frf=remainder.frf,
-        force=remainder.force,
+        force=None if remainder.force is None else remainder.force[:, observed.runs],
         response=remainder.response,
         coherence_drop=np.where(observed.usable, predicted.coherence - observed.coherence, 0.0),
         weight=observed.fitted.astype(float),
@@ -57,7 +57,7 @@ def _frequency_shifts(
     weight = observed.usable / observed.error**2
     shifts = np.zeros(len(frequencies))
     edges = np.concatenate([[0.0], (frequencies[1:] + frequencies[:-1]) / 2, [np.inf]])
-    spacing = observed.freq[1] - observed.freq[0]
+    spacing = np.diff(observed.freq).min()
     for i, frequency in enumerate(frequencies):
         reach = max(EVIDENCE.resonance_reach * frequency, EVIDENCE.least_reach * spacing)
         low, high = max(edges[i], frequency - reach), min(edges[i + 1], frequency + reach)

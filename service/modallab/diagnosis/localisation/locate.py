@@ -1,11 +1,11 @@
 """Localisation of the disagreement between measurement and model: bands, responses, modes, patterns."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from collections.abc import Set as AbstractSet
 
 import numpy as np
 
-from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
+from modallab.core.arrays import BoolArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.correlation.evidence import Evidence
 from modallab.diagnosis.localisation.mode_shifts import mode_shifts
@@ -13,6 +13,8 @@ from modallab.diagnosis.localisation.response_misfits import response_misfits
 from modallab.diagnosis.localisation.settings import LOCALISATION
 from modallab.diagnosis.localisation.text import GapDistribution, span, with_statements
 from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
+from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.residual import gap_errors
 from modallab.diagnosis.result import GapPattern, Localisation
 
@@ -40,14 +42,16 @@ def locate(predictor: Predictor, evidence: Evidence) -> Localisation:
     level = _level_dependence(predictor)
     carrier = _carrier(gaps, parts)
     # Where the FRFs agree, bands and responses are those of the part that does not.
-    squares = _squares(residual.rescaled[carrier], usable)
+    part = residual.rescaled[carrier]
+    by_run = part.shape[1] != usable.shape[1]
+    squares = np.abs(part[:, first.observed.runs] if by_run else part) ** 2 * usable
     by_line, by_channel = (_mean(squares, usable, axis) for axis in (1, 0))
     bands = _bands(first.observed.freq, by_line)
     n_modes = min(LOCALISATION.max_modes, len(evidence.mode_frequency)) if "frf" in parts else 0
     modes = range(1, n_modes + 1)
     localisation = Localisation(
         bands=bands[: LOCALISATION.max_bands],
-        dofs=_dofs(evidence.outputs, by_channel),
+        dofs=_dofs(first.observed, squares),
         modes=_modes(evidence, bands),
         signs=tuple(_patterns(carrier if parts else None, first, by_line, by_channel, level)),
         mode_shifts=mode_shifts(
@@ -59,7 +63,7 @@ def locate(predictor: Predictor, evidence: Evidence) -> Localisation:
     return with_statements(
         localisation,
         gaps,
-        GapDistribution(first.observed.freq, evidence.outputs, by_line, by_channel, residual),
+        GapDistribution(first.observed.freq, first.observed.channels, by_line, by_channel, residual),
     )
 
 
@@ -70,10 +74,6 @@ def _carrier(gaps: Mapping[str, float], parts: AbstractSet[str]) -> str:
     threshold = LOCALISATION.minor_excess * excess.get(worst, 0.0)
     frfs_agree = gaps["frf"] < LOCALISATION.disagreement and excess.get("frf", 0.0) < threshold
     return worst if frfs_agree else "frf"
-
-
-def _squares(part: ComplexArray | FloatArray, usable: BoolArray) -> FloatArray:
-    return np.broadcast_to(np.abs(part) ** 2, usable.shape) * usable
 
 
 def _mean(squares: FloatArray, usable: BoolArray, axis: int) -> FloatArray:
@@ -90,16 +90,29 @@ def _bands(freq: FloatArray, by_line: FloatArray) -> tuple[tuple[float, float], 
     return tuple((float(freq[g[0]]), float(freq[g[-1]])) for g in groups)
 
 
-def _dofs(outputs: Sequence[Dof], by_channel: FloatArray) -> tuple[Dof, ...]:
-    """Return the responses with a high mean squared residual."""
-    level = LOCALISATION.response_level * float(by_channel.max(initial=0.0))
-    threshold = max(LOCALISATION.disagreement, level)
-    return tuple(d for d, gap in zip(outputs, by_channel, strict=True) if gap > threshold)
+def _dofs(observed: Observed, squares: FloatArray) -> tuple[Dof, ...]:
+    """Return the responses, and the points that a roving hammer struck, with a high mean squared residual."""
+    responses, drives = (
+        {dof: [dof == getattr(channel, side) for channel in observed.channels] for dof in dofs}
+        for side, dofs in (
+            ("response", observed.outputs),
+            ("drive", [channel.drive for channel in observed.channels]),
+        )
+    )
+    # One DoF has no other to compare with.
+    sides = [side for side in (responses, drives) if len(side) > 1] or [responses]
+    gaps = {
+        dof: float(squares[:, at_dof].sum() / max(observed.usable[:, at_dof].sum(), 1))
+        for side in sides
+        for dof, at_dof in side.items()
+    }
+    threshold = max(LOCALISATION.disagreement, LOCALISATION.response_level * max(gaps.values()))
+    return tuple(dof for dof, gap in gaps.items() if gap > threshold)
 
 
 def _modes(evidence: Evidence, bands: tuple[tuple[float, float], ...]) -> tuple[int, ...]:
     """Return the modes, counted from 1, in or beside the bands."""
-    margin = LOCALISATION.mode_margin * float(evidence.freq[1] - evidence.freq[0])
+    margin = LOCALISATION.mode_margin * float(np.diff(evidence.freq).min())
     return tuple(
         i + 1
         for i, f in enumerate(evidence.mode_frequency)
@@ -108,7 +121,11 @@ def _modes(evidence: Evidence, bands: tuple[tuple[float, float], ...]) -> tuple[
 
 
 def _patterns(
-    carrier: str | None, first: Predictor, by_line: FloatArray, by_channel: FloatArray, level: float | None
+    carrier: str | None,
+    first: SingleTestPredictor,
+    by_line: FloatArray,
+    by_channel: FloatArray,
+    level: float | None,
 ) -> Iterator[GapPattern]:
     """Yield the patterns of the gap.
 
@@ -126,8 +143,8 @@ def _patterns(
     if carrier == "response":
         yield GapPattern.COHERENCE_ONLY
     if carrier in ("frf", "response") and _one_disagrees(by_channel):
-        at_drive = first.observed.outputs[int(by_channel.argmax())].point == first.setup.drive.point
-        yield GapPattern.DRIVE_POINT_ONLY if at_drive else GapPattern.ONE_RESPONSE
+        worst = first.observed.channels[int(by_channel.argmax())]
+        yield GapPattern.DRIVE_POINT_ONLY if worst.at_drive_point else GapPattern.ONE_RESPONSE
     if carrier is not None and by_line.max() > LOCALISATION.disagreement:
         low, high = span(first.observed.freq, by_line)
         if high < LOCALISATION.band_end * first.observed.freq[-1]:
@@ -139,7 +156,7 @@ def _patterns(
 
 
 def _one_disagrees(by_channel: FloatArray) -> bool:
-    """Return whether one response disagrees and at least two others agree."""
+    """Return whether one FRF disagrees and at least two others agree."""
     order = np.sort(by_channel)
     if len(order) <= 2 or order[-1] <= LOCALISATION.disagreement:  # 2: with fewer there is no majority
         return False
@@ -153,8 +170,8 @@ def _level_dependence(predictor: Predictor) -> float | None:
     gaps = []
     for test in further_tests:
         observed = test.observed
-        level = test.setup.analyser.excitation.level / first.setup.analyser.excitation.level
-        comparable = observed.outputs == reference.outputs and test.setup.drives == first.setup.drives
+        level = test.setup.analyser.source_level / first.setup.analyser.source_level
+        comparable = observed.channels == reference.channels
         if level == 1 or not comparable or not np.array_equal(observed.freq, reference.freq):
             continue
         usable = observed.usable & reference.usable

@@ -75,7 +75,7 @@ def _poles(
 
     Both are nan where a response does not show the mode.
     """
-    spacing = float(observed.freq[1] - observed.freq[0])
+    spacing = float(np.diff(observed.freq).min())
     reach = max(MODE_SHIFTS.reach * loss * frequency, MODE_SHIFTS.fewest_lines * spacing)
     near = np.abs(observed.freq - frequency) < reach
     x = (observed.freq[near] / frequency) ** 2

@@ -1,4 +1,4 @@
-"""Deviation of each measured response from its prediction: amplitude, phase, delay, channel error."""
+"""Deviation of each measured FRF from its prediction: amplitude, phase, delay, channel error."""
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from modallab.diagnosis.result import ChannelError, ResponseMisfit
 
 
 def response_misfits(observed: Observed, h: ComplexArray) -> tuple[ResponseMisfit, ...]:
-    """Return the deviation of each response over all usable lines.
+    """Return the deviation of each FRF over all usable lines.
 
     Parameters
     ----------
@@ -22,7 +22,7 @@ def response_misfits(observed: Observed, h: ComplexArray) -> tuple[ResponseMisfi
 
 
 def _misfit(observed: Observed, difference: ComplexArray, channel: int) -> ResponseMisfit:
-    """Return the deviation of one response: weighted regressions of log magnitude and phase on frequency."""
+    """Return the deviation of one FRF: weighted regressions of log magnitude and phase on frequency."""
     usable = observed.usable[:, channel]
     error, log_ratio = observed.error[usable, channel], difference[usable, channel]
     residual, omega = log_ratio / error, 2 * np.pi * observed.freq[usable]
@@ -31,7 +31,8 @@ def _misfit(observed: Observed, difference: ComplexArray, channel: int) -> Respo
     delay, delay_error = _regression(residual.imag, -omega / error)
     gap = float((np.abs(residual) ** 2).mean() / 2) if len(residual) else 0.0
     return ResponseMisfit(
-        dof=observed.outputs[channel],
+        dof=observed.channels[channel].response,
+        drive=observed.channels[channel].drive,
         gap=gap,
         amplitude=float(np.exp(log_amplitude)),
         amplitude_error=float(np.exp(log_amplitude) * log_amplitude_error),

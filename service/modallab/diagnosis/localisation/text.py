@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.core.arrays import FloatArray
-from modallab.core.dof import Dof
 from modallab.core.numerics import SAFE_DIVISOR
 from modallab.diagnosis.localisation.settings import STATEMENTS
 from modallab.diagnosis.residuals.residual import Residual
 from modallab.diagnosis.result import ChannelError, GapPattern, Localisation, ModeShift, ResponseMisfit
+from modallab.rig.frf_channel import FrfChannel
 
 PARTS = {"frf": "FRFs", "force": "force spectra", "response": "response spectra"}
 # With these patterns the disagreement does not come from the modes of the structure.
@@ -38,22 +38,32 @@ PATTERNS = {
         "the FRFs depend on the force level, by {level:.1f} random errors: structure or rig is nonlinear"
     ),
 }
+# With a roving hammer one response is not one FRF.
+FRF_PATTERNS = {
+    GapPattern.ONE_RESPONSE: "only one FRF, {frf}, disagrees; all other FRFs agree",
+    GapPattern.DRIVE_POINT_ONLY: "only the drive-point FRF {frf} disagrees; all other FRFs agree",
+}
 
 
 @dataclass(frozen=True, eq=False)
 class GapDistribution:
-    """Distribution of the gap over frequency and responses, of the part that carries it."""
+    """Distribution of the gap over frequency and FRFs, of the part that carries it."""
 
     freq: FloatArray
     """Hz, (n_freq,), frequency lines."""
-    outputs: tuple[Dof, ...]
-    """Measured responses."""
+    channels: tuple[FrfChannel, ...]
+    """Measured FRFs."""
     by_line: FloatArray
     """(n_freq,), mean squared residual of each line."""
     by_channel: FloatArray
-    """(n_out,), mean squared residual of each response."""
+    """(n_out,), mean squared residual of each FRF."""
     residual: Residual
     """Residual of the prediction without added effects."""
+
+    @property
+    def roving_hammer(self) -> bool:
+        """Whether a hammer struck several points."""
+        return len({channel.drive for channel in self.channels}) > 1
 
 
 def span(freq: FloatArray, by_line: FloatArray) -> tuple[float, float]:
@@ -79,16 +89,20 @@ def with_statements(
     if localisation.bands:
         bands = localisation.bands[: STATEMENTS.max_items]
         words.append("bands: " + ", ".join(f"{low:.4g} to {high:.4g} Hz" for low, high in bands))
-    if localisation.dofs and len(localisation.dofs) < len(distribution.outputs):
-        words.append("responses: " + ", ".join(map(str, localisation.dofs)))
+    if localisation.dofs and len(localisation.dofs) < len(distribution.channels):
+        dofs = ", ".join(map(str, localisation.dofs))
+        words.append(f"{'points' if distribution.roving_hammer else 'responses'}: {dofs}")
     return replace(localisation, words=tuple(words))
 
 
 def _pattern(pattern: GapPattern, localisation: Localisation, distribution: GapDistribution) -> str:
     low, high = span(distribution.freq, distribution.by_line)
     response = distribution.residual.response
-    return PATTERNS[pattern].format(
-        dof=distribution.outputs[int(distribution.by_channel.argmax())],
+    worst = distribution.channels[int(distribution.by_channel.argmax())]
+    patterns = {**PATTERNS, **(FRF_PATTERNS if distribution.roving_hammer else {})}
+    return patterns[pattern].format(
+        dof=worst.response,
+        frf=worst,
         size="larger" if response is None or response.sum() > 0 else "smaller",
         low=low,
         high=high,
@@ -149,31 +163,35 @@ def _percent(share: float) -> str:
 
 
 def _channel_errors(localisation: Localisation) -> list[str]:
-    """Return a statement on each response with a channel error, by kind of error.
+    """Return a statement on each FRF with a channel error, by kind of error.
 
-    An error that most responses share is omitted: the force or the model causes it, not the channels.
+    An error that most FRFs share is omitted: the force or the model causes it, not the channels.
     """
     statements = []
     for error in ChannelError:
         misfits = [misfit for misfit in localisation.responses if misfit.course is error]
         if misfits and len(misfits) <= max(1, len(localisation.responses) // 2):
-            statements += [_channel_error(misfit) for misfit in misfits[: STATEMENTS.max_items]]
+            roving_hammer = len({misfit.drive for misfit in localisation.responses}) > 1
+            statements += [
+                _channel_error(misfit, f"{misfit.dof} / {misfit.drive}" if roving_hammer else str(misfit.dof))
+                for misfit in misfits[: STATEMENTS.max_items]
+            ]
     return statements
 
 
-def _channel_error(misfit: ResponseMisfit) -> str:
+def _channel_error(misfit: ResponseMisfit, name: str) -> str:
     deviation = misfit.amplitude - 1
     if misfit.course is ChannelError.GAIN:
         direction = "high" if deviation > 0 else "low"
         size = f"{_percent(abs(deviation))} {direction}"
-        return f"{misfit.dof} reads {size} at all frequencies, as with a gain error"
+        return f"{name} reads {size} at all frequencies, as with a gain error"
     if misfit.course is ChannelError.POLARITY:
-        return f"{misfit.dof} has the opposite sign at all frequencies"
+        return f"{name} has the opposite sign at all frequencies"
     if misfit.course is ChannelError.DELAY:
         verb = "lags" if misfit.delay > 0 else "leads"
-        return f"{misfit.dof} {verb} by {_time(abs(misfit.delay))}, its phase error proportional to frequency"
+        return f"{name} {verb} by {_time(abs(misfit.delay))}, its phase error proportional to frequency"
     return (
-        f"{misfit.dof} deviates in amplitude with the square of frequency, as a sensor does near its mounted "
+        f"{name} deviates in amplitude with the square of frequency, as a sensor does near its mounted "
         "resonance"
     )
 

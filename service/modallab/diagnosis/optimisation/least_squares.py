@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 import numpy as np
-from scipy.optimize import lsq_linear
+import scipy
 
 from modallab.core.arrays import FloatArray
 from modallab.core.errors import InvalidInputError
@@ -102,7 +102,7 @@ class BoundedGaussNewton:
         high = np.minimum(self._high - self.position, trust_radius)
         # A parameter on its bound still needs a box that is not empty.
         box = low, np.maximum(high, low + PRODUCT_ROUNDING)
-        step = np.asarray(lsq_linear(jacobian, -vector, box, method="bvls").x.clip(low, high))
+        step = np.asarray(scipy.optimize.lsq_linear(jacobian, -vector, box, method="bvls").x.clip(low, high))
         return step, float(vector @ vector - np.sum((vector + jacobian @ step) ** 2))
 
     @staticmethod

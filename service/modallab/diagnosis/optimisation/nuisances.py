@@ -34,10 +34,18 @@ class Nuisance:
     """Its channel; None for all."""
     mode: int | None = None
     """Elastic mode of the model, from 1; None for a parameter of no single mode."""
+    logarithmic: bool = False
+    """Whether the standard deviation is of the value's logarithm."""
 
     def value(self, position: float) -> float:
         """Return the value at a position in standard deviations."""
+        if self.logarithmic:
+            return float(self.declared * np.exp(self.standard_deviation * position))
         return self.declared + self.standard_deviation * position
+
+    def standard_error(self, position: float, error: float) -> float:
+        """Return the standard error of the value, from that of a position in standard deviations."""
+        return self.standard_deviation * error * (self.value(position) if self.logarithmic else 1.0)
 
     def channel_prediction(self, predicted: Predicted, observed: Observed) -> Predicted | None:
         """Return the prediction with a channel's parameter perturbed; None for one of the structure.
@@ -52,7 +60,9 @@ class Nuisance:
         if self.name == "delay":
             return replace(predicted, h=predicted.h * np.exp(-2j * np.pi * observed.freq[:, None] * change))
         gain = 1 + change
-        return replace(predicted, h=predicted.h * gain, incoherent=predicted.incoherent * gain**2)
+        # A free noise takes up the gain of its channel.
+        noise_gain = 1.0 if observed.free_levels.response_noise else gain**2
+        return replace(predicted, h=predicted.h * gain, incoherent=predicted.incoherent * noise_gain)
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,12 +85,18 @@ class Nuisances:
     def __len__(self) -> int:
         return len(self.parameters)
 
+    @property
+    def damping_free(self) -> bool:
+        """Whether the model's damping is unknown."""
+        return any(nuisance.mode is not None and nuisance.logarithmic for nuisance in self.parameters)
+
     def split(self, outputs: Sequence[Dof], held_out: BoolArray) -> tuple[IntArray, IntArray]:
         """Return the indices of parameters that fitted channels determine, and of the others.
 
-        The others belong to a held-out channel alone.
+        The others belong to held-out channels alone.
         """
-        points = {dof.point for dof, out in zip(outputs, held_out, strict=True) if out}
+        fitted = {dof.point for dof, out in zip(outputs, held_out, strict=True) if not out}
+        points = {dof.point for dof in outputs} - fitted
         places = [nuisance.at for nuisance in self.parameters]
         held_out_only = [
             isinstance(at, Channels) and {dof.point for dof in at.dofs} <= points for at in places
@@ -148,7 +164,9 @@ def split_by_scope(effects: Sequence[Effect]) -> tuple[list[Effect], list[Effect
     )
 
 
-def nuisance_parameters(tolerances: Tolerances, system: DynamicSystem, setup: RigSetup) -> Nuisances:
+def nuisance_parameters(
+    tolerances: Tolerances, system: DynamicSystem, setup: RigSetup, *, damping_unknown: bool = False
+) -> Nuisances:
     """Return the nuisance parameters of a test.
 
     A roving accelerometer has one sensitivity and one delay; of several accelerometers each has its own.
@@ -157,6 +175,8 @@ def nuisance_parameters(tolerances: Tolerances, system: DynamicSystem, setup: Ri
     ----------
     system
         The model without transducers.
+    damping_unknown
+        Whether the loss factor of each elastic mode in the band is free, over two decades.
     """
     places: list[Place] = [None] if setup.accelerometers.roving else [Channels((d,)) for d in setup.responses]
     nuisances: list[Nuisance] = []
@@ -171,11 +191,14 @@ def nuisance_parameters(tolerances: Tolerances, system: DynamicSystem, setup: Ri
     if tolerances.delay:
         nuisances += [Nuisance("delay", tolerances.delay, 0.0, "s", at) for at in places]
     loss_factors: tuple[float, ...] = ()
-    if tolerances.modal_loss_factor:
+    if tolerances.modal_loss_factor or damping_unknown:
         loss_factors = _loss_factors(system, setup.analyser.frequency_max)
-        deviation = tolerances.modal_loss_factor
-        modes = [i for i, eta in enumerate(loss_factors, 1) if eta > 0]
-        nuisances += [Nuisance("modal_loss_factor", deviation, 1.0, "1", mode=i) for i in modes]
+        deviation = NUISANCE.unknown_loss_factor if damping_unknown else tolerances.modal_loss_factor
+        nuisances += [
+            Nuisance("modal_loss_factor", deviation, 1.0, "1", mode=i, logarithmic=damping_unknown)
+            for i, eta in enumerate(loss_factors, 1)
+            if eta > 0
+        ]
     return Nuisances(tuple(nuisances), setup.accelerometers.mass, loss_factors)
 
 

@@ -85,6 +85,12 @@ class LeastSquaresSettings(Settings):
 class NuisanceSettings(Settings):
     """Nuisance parameters: what may differ a little from model and log book."""
 
+    unknown_loss_factor: float = setting(
+        1.5,
+        unit="1",
+        doc="standard deviation of the logarithm of an unknown loss factor",
+        derived="a factor of 90 either way within the largest deviation",
+    )
     max_deviation: float = setting(
         3.0,
         unit="standard deviations",

@@ -127,11 +127,11 @@ class _CorrectedSpectra:
 def coarse_prediction(predictor: "SingleTestPredictor", base: Sequence[Effect]) -> CoarsePrediction:
     """Return coarse predictions of additions to base effects, exact without an addition."""
     exact, coarse = predictor.predict(base), predictor.coarse(base)
-    lines = slice(None, None, predictor.step)
+    lines = predictor.coarse_places
     spectra = _CorrectedSpectra(
         predictor,
         exact.h[lines] / coarse.h,
         exact.force[lines] / coarse.force,
         exact.incoherent[lines] / coarse.incoherent,
     )
-    return CoarsePrediction(predictor, base, predictor.observed.decimated(predictor.step), spectra.predict)
+    return CoarsePrediction(predictor, base, predictor.observed.at(lines), spectra.predict)

@@ -1,9 +1,6 @@
 """Check that model and log book can predict a measurement."""
 
-import numpy as np
-
 from modallab.core.errors import InvalidInputError
-from modallab.diagnosis.predicting.settings import PREDICTION
 from modallab.fe.structure import Structure
 from modallab.rig.measurement import Measurement
 
@@ -14,22 +11,19 @@ def check_comparable(structure: Structure, measurement: Measurement) -> None:
     Raises
     ------
     InvalidInputError
-        If the frequency axis is not the log book's, 0 Hz apart, or several forces act at once.
+        If several shakers act at once, if a line is none of the log book's, or if these are no multiples of
+        their spacing.
     UnknownDofError
         If the model lacks a measured DoF.
     """
-    for dof in (measurement.setup.drive, *measurement.frf.outputs):
+    for dof in (*measurement.setup.drives, *measurement.frf.outputs):
         structure.index(dof)
-    if measurement.frf.values.shape[2] != 1:
-        raise InvalidInputError("one force at a time", field="inputs", allowed=1)
-    axis, freq = measurement.setup.analyser.freq, measurement.frf.freq
-    if freq[0] > 0:
-        axis = axis[1:]
-    tolerance = PREDICTION.frequency_tolerance
-    if len(axis) != len(freq) or not np.allclose(axis, freq, rtol=tolerance, atol=tolerance * axis[-1]):
+    if any(len(run.drives) > 1 for run in measurement.setup.acquisition_runs):
         raise InvalidInputError(
-            "the frequency axis is not the one that the log book declares",
-            field="freq",
-            value=f"{len(freq)} lines to {freq[-1]:g} Hz",
-            allowed=f"{len(axis)} lines to {axis[-1]:g} Hz",
+            "a diagnosis takes one force at a time: random errors of FRFs to simultaneous shakers are "
+            "correlated; measure with one shaker after the other, or with a roving hammer",
+            field="inputs",
+            value=list(map(str, measurement.frf.inputs)),
+            allowed="one shaker, or a hammer at one drive point after the other",
         )
+    measurement.setup.analyser.baseband.lines_at(measurement.frf.freq)

@@ -8,9 +8,11 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, bounds
 from modallab.diagnosis.predicting.settings import HOLD_OUT
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
+from modallab.diagnosis.residuals.frf_selection import FrfSelection, frfs_at, single_frfs
 from modallab.diagnosis.residuals.observed import Observed, observe
 from modallab.diagnosis.residuals.residual import Residual
 from modallab.fe.structure import Structure
+from modallab.rig.frf_channel import frf_channels
 from modallab.rig.measurement import Measurement
 
 
@@ -21,21 +23,22 @@ def select_held_out(
     requested: Sequence[Dof],
     seed: int,
     *,
-    spared: Collection[Dof] = (),
-) -> tuple[list[Dof], tuple[Dof, ...]]:
-    """Return the measured responses to hold out, and the unmeasured ones to predict.
+    spared: Collection[FrfSelection] = (),
+) -> tuple[list[FrfSelection], tuple[Dof, ...]]:
+    """Return the measured FRFs to hold out, and the unmeasured responses to predict.
 
     Parameters
     ----------
     fraction
         Share of the FRFs, 0 to 0.5.
     requested
-        Responses that are held out in any case, or predicted if they were not measured.
+        Responses, or points that a roving hammer struck, whose FRFs are held out in any case; responses
+        that were not measured are predicted.
     seed
-        Seed of the random choice of the others. The drive point is never chosen, it alone relates the FRFs
-        to the force; nor is an outlying channel: only its own FRF shows an error of one channel.
+        Seed of the random choice of the others. An FRF at a drive point is never chosen, it alone relates
+        the FRFs to the force; nor is an outlying one: only its own FRF shows an error of one channel.
     spared
-        Further channels that are not chosen.
+        Further FRFs that are not chosen.
 
     Raises
     ------
@@ -51,29 +54,37 @@ def select_held_out(
             value=fraction,
             allowed=bounds(0, HOLD_OUT.max_fraction),
         )
-    outputs = {dof.point: dof for dof in measurement.frf.outputs}
+    setup, channels = measurement.setup, frf_channels(measurement.setup)
+    roving_hammer = len(setup.drives) > 1
+    named = {dof: frfs_at(dof, setup.drives, measurement.frf.outputs) for dof in requested}
     for dof in requested:
         structure.index(dof)
-    held_out = [outputs[dof.point] for dof in requested if dof.point in outputs]
-    unmeasured = tuple(dof for dof in requested if dof.point not in outputs)
-    n_random = int(fraction * len(outputs)) - len(held_out)
-    if len(outputs) >= HOLD_OUT.min_responses and n_random > 0:
+    held_out = list(dict.fromkeys(frfs for frfs in named.values() if frfs is not None))
+    unmeasured = tuple(dof for dof, frfs in named.items() if frfs is None)
+    singles = single_frfs(channels, roving_hammer=roving_hammer)
+    taken = [any(frfs.selects(channel) for frfs in held_out) for channel in channels]
+    n_random = int(fraction * len(channels)) - sum(taken)
+    if len(channels) >= HOLD_OUT.min_responses and n_random > 0:
         observed = observe(measurement, (), fraction=0.0)
-        residual = SingleTestPredictor.of(structure, measurement.setup, observed).residual(())
-        excluded = {dof.point for dof in (*outlying_responses(observed, residual), *spared)}
-        drive = measurement.setup.drive.point
-        free = [dof for dof in outputs.values() if dof not in held_out and dof.point != drive]
-        free = [dof for dof in free if dof.point not in excluded] or free
+        residual = SingleTestPredictor.of(structure, setup, observed).residual(())
+        excluded = {*outlying_frfs(observed, residual, roving_hammer=roving_hammer), *spared}
+        free = [
+            single
+            for single, channel, is_taken in zip(singles, channels, taken, strict=True)
+            if not is_taken and not channel.at_drive_point
+        ]
+        free = [single for single in free if single not in excluded] or free
         size = min(n_random, len(free))
         indices = np.random.default_rng(seed).choice(len(free), size=size, replace=False)
         held_out += [free[i] for i in sorted(indices)]
     return held_out, unmeasured
 
 
-def outlying_responses(observed: Observed, residual: Residual) -> tuple[Dof, ...]:
-    """Return the responses whose gap is far above the median gap of all responses."""
+def outlying_frfs(observed: Observed, residual: Residual, *, roving_hammer: bool) -> tuple[FrfSelection, ...]:
+    """Return the FRFs whose gap is far above the median gap of all."""
     parts = [part for name, part in residual.rescaled.items() if name != "force"]
     squares = [(np.abs(part) ** 2 * observed.usable).sum(axis=0) for part in parts]
     gaps = np.mean(squares, axis=0) / np.maximum(observed.usable.sum(axis=0), 1)
     outlying = gaps > HOLD_OUT.outlier_gap * max(float(np.median(gaps)), 1.0)
-    return tuple(dof for dof, outlier in zip(observed.outputs, outlying, strict=True) if outlier)
+    singles = single_frfs(observed.channels, roving_hammer=roving_hammer)
+    return tuple(frf for frf, outlier in zip(singles, outlying, strict=True) if outlier)

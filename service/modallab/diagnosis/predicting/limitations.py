@@ -2,10 +2,13 @@
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from modallab.core.frf import FrfKind
 from modallab.diagnosis.predicting.settings import LIMITATIONS
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.settings import RANDOM_ERROR
+from modallab.extraction.preprocessing.reciprocity import reciprocity
 from modallab.rig.measurement import Measurement
 
 
@@ -19,14 +22,21 @@ def limitations(measurement: Measurement, observed: Observed) -> tuple[str, ...]
     observed
         The spectra of it that a fit uses.
     """
-    return (*_of_quantities(measurement), *_of_random_errors(measurement), *_of_lines(observed))
+    return (
+        *_of_quantities(measurement),
+        *_of_random_errors(measurement),
+        *_of_levels(observed),
+        *_of_lines(observed),
+    )
 
 
 def _of_quantities(measurement: Measurement) -> Iterator[str]:
     frf = measurement.frf
     if frf.kind is not FrfKind.INERTANCE:
         yield f"the FRFs are {frf.kind.value}: compared as inertance, without 0 Hz"
-    if len(frf.outputs) == 1:
+    if len(frf.inputs) > 1:
+        yield from _of_reciprocity(measurement)
+    if len(frf.outputs) * len(frf.inputs) == 1:
         yield (
             "a single FRF: no other response can bear out what is named, nor tell the structure from the "
             "response's own channel"
@@ -37,10 +47,68 @@ def _of_quantities(measurement: Measurement) -> Iterator[str]:
         yield "no response spectra: noise and leakage show in the coherence alone, which is not compared"
 
 
+def _of_reciprocity(measurement: Measurement) -> Iterator[str]:
+    frf, n_in = measurement.frf, len(measurement.frf.inputs)
+    if len(frf.outputs) == 1:
+        yield (
+            f"one response, {frf.outputs[0]}, to a hammer at {n_in} points: by reciprocity as good as {n_in} "
+            "responses to one force; reciprocity itself is not tested"
+        )
+        return
+    compared = reciprocity(frf, coherence=measurement.coherence, averages=measurement.averages)
+    if not compared.pairs:
+        yield "no two points were both struck and measured: reciprocity is not tested"
+        return
+    names = [f"{first} and {second}" for first, second in compared.pairs]
+    differences = [
+        f"{name} by {100 * size:.2g} %" for name, size in zip(names, compared.difference, strict=True)
+    ]
+    if np.isnan(compared.misfit).all():
+        largest = differences[int(compared.difference.argmax())]
+        yield (
+            f"reciprocity of {_pairs(len(names))} of points, random error unknown: "
+            f"largest difference {largest}"
+        )
+        return
+    differing = [text for text, differs in zip(differences, compared.differs, strict=True) if differs]
+    if not differing:
+        yield f"reciprocity tested with {_pairs(len(names))} of points: equal within random error"
+        return
+    shown = "; ".join(differing[: LIMITATIONS.max_pairs])
+    more = ", ..." if len(differing) > LIMITATIONS.max_pairs else ""
+    yield (
+        f"not reciprocal at {len(differing)} of {_pairs(len(names))} of points: {shown}{more}; the model is "
+        "reciprocal, so a transducer or its mass may differ from run to run"
+    )
+
+
+def _of_levels(observed: Observed) -> Iterator[str]:
+    levels = observed.free_levels
+    kinds = [
+        name
+        for name, free in (("force_noise", levels.force_noise), ("response_noise", levels.response_noise))
+        if free
+    ]
+    if kinds:
+        kinds.append("quantisation")
+        yield f"noise of the channels is not declared: fitted to the test, and {', '.join(kinds)} not judged"
+    if levels.shape:
+        yield "the source's spectrum is not declared: a force is compared beside a smooth curve fitted to it"
+    elif levels.source:
+        yield "the source's level is not declared: a force is compared beside a level fitted to it"
+    if levels.source and observed.force is None:
+        yield "neither level nor force spectrum: the size of a nonlinear force needs a level, here 1 N"
+
+
+def _pairs(count: int) -> str:
+    return "1 pair" if count == 1 else f"{count} pairs"
+
+
 def _of_random_errors(measurement: Measurement) -> Iterator[str]:
     floor, estimator = measurement.noise_floor, measurement.setup.analyser.estimator
     if measurement.coherence is None or measurement.averages <= RANDOM_ERROR.min_averages:
-        yield f"no usable coherence: every FRF is taken to have the random error stated, {floor:g} of itself"
+        source = "that the scatter of its lines shows" if floor is None else f"stated, {floor:g} of itself"
+        yield f"no usable coherence: every FRF is taken to have the random error {source}"
         if estimator != "h1":
             yield f"without coherence {estimator} cannot be turned into h1: compared as if it were"
         return

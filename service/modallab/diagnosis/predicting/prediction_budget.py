@@ -20,3 +20,7 @@ class PredictionBudget:
     def exhausted(self) -> bool:
         """Whether the search should try nothing new."""
         return self.spent >= self._limit
+
+
+def no_heartbeat() -> None:
+    """Do nothing: no caller waits for a sign of progress."""

@@ -18,11 +18,6 @@ class PredictionSettings(Settings):
         doc="predictions with a nonlinear force that take as long as stepping it through one test",
         tuned="CPU time of simulated tests",
     )
-    frequency_tolerance: float = setting(
-        1e-6,
-        doc="relative difference of a frequency axis from the declared one",
-        derived="frequencies are written to six digits or more",
-    )
 
 
 @dataclass(frozen=True)
@@ -67,6 +62,9 @@ class LimitationSettings(Settings):
     low_coherence: float = setting(0.3, doc="coherence below which an FRF is hardly known", tuned=TESTS)
     many_lines: float = setting(
         0.1, doc="share of the lines from which a limitation of lines is stated", tuned=TESTS
+    )
+    max_pairs: int = setting(
+        3, unit="pairs", doc="pairs of points named that are not reciprocal", derived="legibility"
     )
 
 

@@ -2,19 +2,20 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.dof import Dof
 from modallab.diagnosis.optimisation.nuisances import Nuisances
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction, coarse_prediction
 from modallab.diagnosis.predicting.model_state import DeviatingModel
-from modallab.diagnosis.predicting.prediction_budget import PredictionBudget
+from modallab.diagnosis.predicting.prediction_budget import PredictionBudget, no_heartbeat
 from modallab.diagnosis.predicting.settings import PREDICTION
+from modallab.diagnosis.residuals.free_levels import at_level_of, with_levels_declared, with_measured_level
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.predicted import Predicted, VarianceRatios
 from modallab.diagnosis.residuals.residual import Residual, residual
@@ -28,15 +29,12 @@ from modallab.rig.effect import Effect
 from modallab.rig.effects_in_other_test import effects_in_other_test
 from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.expected import coarse_spectra, derivative_kernel, expected_spectra
+from modallab.rig.leakage_kernel import LeakageKernel
 from modallab.rig.periodic_variance import VarianceFactors, periodic_factors
 from modallab.rig.record_correlation import correlated_excess_variance
 from modallab.rig.setup import RigSetup
 from modallab.rig.simulated_variance import SimulatedVariance, is_intermittent
 from modallab.rig.spectrum_settings import SIMULATED_VARIANCE
-
-
-def _no_heartbeat() -> None:
-    """Do nothing: no caller waits for a sign of progress."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +47,7 @@ class SingleTestPredictor:
     """Log book."""
     observed: Observed
     """Measured spectra."""
-    heartbeat: Callable[[], None] = _no_heartbeat
+    heartbeat: Callable[[], None] = no_heartbeat
     """Called before every prediction."""
     budget: PredictionBudget = field(default_factory=PredictionBudget)
     """Count of predictions, shared by all predictors of a diagnosis."""
@@ -57,6 +55,8 @@ class SingleTestPredictor:
     """Variance factors of simulated tests, shared by all predictors of this test."""
     first_setup: RigSetup | None = None
     """Log book of the first test, whose places effects are named by; None if this is the first."""
+    planned: bool = False
+    """Whether the test is yet to be made: `observed` is then that of another test."""
 
     @classmethod
     def of(
@@ -65,18 +65,22 @@ class SingleTestPredictor:
         setup: RigSetup,
         observed: Observed,
         *,
-        heartbeat: Callable[[], None] = _no_heartbeat,
+        heartbeat: Callable[[], None] = no_heartbeat,
         budget: PredictionBudget | None = None,
     ) -> "SingleTestPredictor":
         """Return the predictor of a first test."""
-        budget = PredictionBudget() if budget is None else budget
-        return cls(DeviatingModel.of(structure), setup, observed, heartbeat, budget)
+        model, setup = DeviatingModel.of(structure), with_measured_level(setup, observed)
+        return cls(model, setup, observed, heartbeat, budget or PredictionBudget())
 
     def follow_up(self, setup: RigSetup, observed: Observed) -> "SingleTestPredictor":
         """Return the predictor of a further test, with the same model and effects named as in this one."""
-        return SingleTestPredictor(
-            self.model, setup, observed, self.heartbeat, self.budget, first_setup=self.setup
-        )
+        own, first = with_measured_level(setup, observed), self.setup
+        return SingleTestPredictor(self.model, own, observed, self.heartbeat, self.budget, first_setup=first)
+
+    def plan(self, setup: RigSetup) -> "SingleTestPredictor":
+        """Return the predictor of a further test that is yet to be made, at all lines of its analyser."""
+        declared = with_levels_declared(setup, self.observed, lambda: self.chain(()), self.lines)
+        return replace(self.follow_up(*declared), planned=True)
 
     @property
     def system(self) -> DynamicSystem:
@@ -93,10 +97,28 @@ class SingleTestPredictor:
         """(n,) of the nuisance parameters, standard deviations."""
         return self.model.position
 
-    @property
+    @cached_property
+    def lines(self) -> IntArray:
+        """(n_freq,) indices of the lines that are predicted, from 0 Hz on."""
+        freq = self.setup.analyser.freq if self.planned else self.observed.freq
+        return self.setup.baseband.analyser.lines_at(freq)
+
+    @cached_property
     def step(self) -> int:
         """Lines from one line of a coarse prediction to the next."""
-        return max(1, self.setup.analyser.n_lines // PREDICTION.coarse_lines)
+        step = max(1, len(self.lines) // PREDICTION.coarse_lines)
+        # Of lines here and there, fewer than one in `step` may be a multiple of it.
+        return step if 2 * step * (self.lines % step == 0).sum() >= len(self.lines) else 1
+
+    @cached_property
+    def coarse_places(self) -> IntArray:
+        """(n,) indices of the lines of a coarse prediction among `lines`."""
+        return np.flatnonzero(self.lines % self.step == 0)
+
+    @cached_property
+    def coarse_lines(self) -> IntArray:
+        """(n,) indices of the same lines from 0 Hz on."""
+        return self.lines[self.coarse_places]
 
     @property
     def tests(self) -> "tuple[SingleTestPredictor, ...]":
@@ -120,9 +142,9 @@ class SingleTestPredictor:
         """Return the predictor with random errors as large as distortion in bursts makes them."""
         if not is_intermittent(effects, self.setup):
             return self
-        predicted = self.predict(effects)
-        assert predicted.variance_ratios is not None
-        return replace(self, observed=self.observed.with_variance_ratios(predicted.variance_ratios()))
+        ratios = self.predict(effects).variance_ratios
+        assert ratios is not None
+        return replace(self, observed=self.observed.with_variance_ratios(ratios()))
 
     def without_lines(self, stride: int) -> "SingleTestPredictor":
         """Return the predictor with one of `stride` lines held out as well.
@@ -152,11 +174,10 @@ class SingleTestPredictor:
         """
         self.heartbeat()
         self.budget.spend()
-        acting = self._acting(self._in_this_test(effects))
         return chain(
             self.model.deviating_system,
             self.setup,
-            acting,
+            self._acting(self._in_this_test(effects)),
             same_in_all_runs=same_in_all_runs,
             initial_rms=initial_rms,
         )
@@ -174,12 +195,14 @@ class SingleTestPredictor:
     def predict(self, effects: Sequence[Effect]) -> Predicted:
         """Return the expected spectra with additional effects."""
         measuring_chain = self.chain(effects)
-        spectra = expected_spectra(measuring_chain)
         leaking = measuring_chain.source.continuous > 0
         excitation, factors = EXCITATIONS[self.setup.analyser.excitation.kind], None
         intermittent = is_intermittent(effects, self.setup)
+        if not (leaking or excitation.deterministic or intermittent or excitation.transient):
+            return self._expected(measuring_chain)
+        spectra = self.observed.with_levels(expected := expected_spectra(measuring_chain), self.lines)
         if excitation.deterministic:
-            factors = partial(periodic_factors, measuring_chain, spectra)
+            factors = partial(periodic_factors, measuring_chain, at_level_of(expected, spectra))
         elif intermittent:
             factors = partial(self._simulated_factors, measuring_chain, spectra, effects)
         return Predicted.of(
@@ -187,7 +210,11 @@ class SingleTestPredictor:
             partial(correlated_excess_variance, measuring_chain, spectra) if leaking else None,
             factors,
             lines_correlated=leaking or intermittent or excitation.transient is not None,
-        )
+        ).at(self.lines)
+
+    def _expected(self, measuring_chain: Chain, kernel: LeakageKernel | None = None) -> Predicted:
+        """Return the expected spectra of a chain, without variances."""
+        return Predicted.of(self.observed.with_levels(expected_spectra(measuring_chain, kernel, self.lines)))
 
     def residual(self, effects: Sequence[Effect]) -> Residual:
         """Return the whitened residual of the prediction at every line."""
@@ -198,9 +225,9 @@ class SingleTestPredictor:
         if not is_intermittent(effects, self.setup):
             return None
         measuring_chain = self.chain(effects)
-        spectra = expected_spectra(measuring_chain)
-        factors = self._simulated_factors(measuring_chain, spectra, effects, SIMULATED_VARIANCE.n_tests)
-        return None if factors is None else VarianceRatios.of(factors, spectra)
+        spectra, n_tests = expected_spectra(measuring_chain), SIMULATED_VARIANCE.n_tests
+        factors = self._simulated_factors(measuring_chain, spectra, effects, n_tests)
+        return None if factors is None else VarianceRatios.of(factors, spectra).at(self.lines)
 
     def _simulated_factors(
         self,
@@ -217,23 +244,24 @@ class SingleTestPredictor:
 
     def linearisation_at(self, effects: Sequence[Effect]) -> Callable[[Sequence[Effect]], Predicted]:
         """Return predictions near some effects for derivatives: leakage on one thin grid for all."""
-        base = self.chain(effects)
-        kernel, motion = derivative_kernel(base), base.local_rms
+        kernel, motion = derivative_kernel(base := self.chain(effects)), base.local_rms
 
         def predict(perturbed: Sequence[Effect]) -> Predicted:
-            return Predicted.of(expected_spectra(self.chain(perturbed, initial_rms=motion), kernel))
+            return self._expected(self.chain(perturbed, initial_rms=motion), kernel)
 
         return predict
 
     def with_frequency_shift(self, effects: Sequence[Effect], shift: float) -> Predicted:
         """Return the expected spectra with every natural frequency shifted by a ratio of itself."""
         system = self.model.deviating_system.scaled(stiffness=(1 + shift) ** 2)
-        measuring_chain = chain(system, self.setup, self._acting(self._in_this_test(effects)))
-        return Predicted.of(expected_spectra(measuring_chain))
+        return self._expected(chain(system, self.setup, self._acting(self._in_this_test(effects))))
 
     def coarse(self, effects: Sequence[Effect]) -> Predicted:
         """Return the expected spectra at every `step`-th line, leakage on a coarse grid."""
-        return Predicted.of(coarse_spectra(self.chain(effects, same_in_all_runs=True), self.step))
+        coarse_chain = self.chain(effects, same_in_all_runs=True)
+        spectra = coarse_spectra(coarse_chain, self.step, self.coarse_lines)
+        observed = self.observed if self.planned else self.observed.at(self.coarse_places)
+        return Predicted.of(observed.with_levels(spectra))
 
     def coarse_prediction(self, effects: Sequence[Effect]) -> CoarsePrediction:
         """Return coarse predictions of additions to some effects."""
@@ -241,8 +269,7 @@ class SingleTestPredictor:
 
     def stack_channels(self, parts: Sequence[NDArray[Any]], absent: complex) -> NDArray[Any]:
         """Return the array of the one test, see `Predictor`."""
-        (part,) = parts
-        return part
+        return parts[0]
 
     def modes(self) -> ModalBasis:
         """Return the elastic modes of the model with the transducers of the first run, in the band."""
@@ -252,19 +279,22 @@ class SingleTestPredictor:
         return basis.elastic(max(1, int((basis.frequencies <= frequency_max).sum())))
 
     def unmeasured_inertance(self, effects: Sequence[Effect], dofs: tuple[Dof, ...]) -> ComplexArray:
-        """Return the inertance (n_freq, n_dof, 1), 1/kg, at DoFs that were not measured.
+        """Return the inertance (n_freq, n_dof, n_in), 1/kg, at DoFs that were not measured.
 
         A roving accelerometer visits them; fixed ones stay where they are.
         """
         acting, system, freq = self._acting(effects), self.model.deviating_system, self.observed.freq
         if self.setup.accelerometers.roving:
             visited = chain(system, replace(self.setup, responses=dofs), acting)
-            return np.asarray(visited.respond(freq).inertance[:, :, 0, 0].T[..., None])
-        first = chain(system, self.setup, acting).runs[0]
-        run = replace(
-            first,
-            acquisition_run=replace(first.acquisition_run, outputs=dofs),
-            responses=tuple(map(Channel.ideal, dofs)),
+            by_run = visited.respond(freq).inertance[:, :, 0, 0]
+            return np.asarray(by_run.reshape(len(self.setup.drives), len(dofs), -1).transpose(2, 1, 0))
+        runs = tuple(
+            replace(
+                run,
+                acquisition_run=replace(run.acquisition_run, outputs=dofs),
+                responses=tuple(map(Channel.ideal, dofs)),
+            )
+            for run in chain(system, self.setup, acting).runs
         )
-        measuring_chain = replace(chain(system, self.setup), runs=(run,))
-        return np.asarray(measuring_chain.respond(freq).inertance[0])
+        measuring_chain = replace(chain(system, self.setup), runs=runs)
+        return np.asarray(np.moveaxis(measuring_chain.respond(freq).inertance[..., 0], 0, -1))

@@ -1,8 +1,8 @@
 """Spectra of several tests as those of one: lines one below the other, outputs side by side."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -12,14 +12,22 @@ from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.predicted import Predicted, SimulatedDeviations, VarianceRatios
+from modallab.rig.frf_channel import FrfChannel
+
+ChannelKey = tuple[Dof, int]
+"""Response of an FRF, and the number of its drive point in its test."""
 
 
 @dataclass(frozen=True)
 class SpectrumStack:
-    """Outputs of several tests and their places in the stack of all."""
+    """FRF channels of several tests and their places in the stack of all.
 
-    outputs: tuple[tuple[Dof, ...], ...]
-    """Outputs of each test."""
+    Channels of one response are stacked in one column, wherever a further test moves the force to; with a
+    roving hammer, in one column for each drive point.
+    """
+
+    tests: tuple[tuple[FrfChannel, ...], ...]
+    """FRFs of each test."""
     roving: bool
     """Whether a roving accelerometer has a run, and a force, for each output."""
     averages: tuple[float, ...]
@@ -28,34 +36,48 @@ class SpectrumStack:
     @classmethod
     def of(cls, observed: Sequence[Observed], *, roving: bool) -> "SpectrumStack":
         """Return the stack of several measurements."""
-        return cls(tuple(o.outputs for o in observed), roving, tuple(o.averages for o in observed))
+        return cls(tuple(o.channels for o in observed), roving, tuple(o.averages for o in observed))
+
+    @cached_property
+    def keys(self) -> tuple[tuple[ChannelKey, ...], ...]:
+        """Key of each FRF of each test."""
+        return tuple(map(_keys, self.tests))
+
+    @cached_property
+    def all_keys(self) -> tuple[ChannelKey, ...]:
+        """The keys of all tests, each once, by drive point."""
+        return tuple(sorted(dict.fromkeys(key for keys in self.keys for key in keys), key=lambda key: key[1]))
 
     @property
-    def all_outputs(self) -> tuple[Dof, ...]:
-        """The outputs of all tests, each once."""
-        return tuple(dict.fromkeys(dof for outputs in self.outputs for dof in outputs))
+    def all_channels(self) -> tuple[FrfChannel, ...]:
+        """The FRFs of all tests, each once, with runs numbered in the stack."""
+        firsts: dict[ChannelKey, FrfChannel] = {}
+        for keys, channels in zip(self.keys, self.tests, strict=True):
+            for key, channel in zip(keys, channels, strict=True):
+                firsts.setdefault(key, channel)
+        runs = list(dict.fromkeys(map(self._run_of, self.all_keys)))
+        return tuple(replace(firsts[key], run=runs.index(self._run_of(key))) for key in self.all_keys)
+
+    def _run_of(self, key: ChannelKey) -> object:
+        """Return the key of an FRF's run: with a roving accelerometer each FRF has its own."""
+        return key if self.roving else key[1]
 
     def channels(self, parts: Sequence[NDArray[Any]], absent: complex) -> NDArray[Any]:
-        """Return arrays (.., n_freq, n_out) as one (.., n_freq of all, n_outputs of all).
+        """Return arrays (.., n_freq, n_out) as one (.., n_freq of all, n_out of all).
 
         Parameters
         ----------
         parts
             One array for each test.
         absent
-            Value where a test has no such output.
+            Value where a test has no such FRF.
         """
-        all_outputs = self.all_outputs
-        padded_parts = []
-        for outputs, part in zip(self.outputs, parts, strict=True):
-            padded = np.full((*part.shape[:-1], len(all_outputs)), absent, part.dtype)
-            padded[..., [all_outputs.index(dof) for dof in outputs]] = part
-            padded_parts.append(padded)
-        return np.concatenate(padded_parts, axis=-2)
+        return _stacked(parts, self.keys, self.all_keys, absent)
 
     def runs(self, parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
-        """Return arrays (.., n_freq, n_run) as one: a roving accelerometer's runs are its outputs."""
-        return self.channels(parts, 1.0) if self.roving else np.concatenate(parts, axis=-2)
+        """Return arrays (.., n_freq, n_run) as one."""
+        runs = [tuple(dict.fromkeys(map(self._run_of, keys))) for keys in self.keys]
+        return _stacked(parts, runs, tuple(dict.fromkeys(map(self._run_of, self.all_keys))), 1.0)
 
     def predicted(self, parts: Sequence[Predicted]) -> Predicted:
         """Return the predictions of all tests as one."""
@@ -111,11 +133,11 @@ class SpectrumStack:
 
     def observed(self, parts: Sequence[Observed]) -> Observed:
         """Return the measurements of all tests as one; nothing is usable where a test did not measure."""
-        held_out = {dof.point for part in parts for dof in np.array(part.outputs, object)[part.held_out]}
+        held_out = np.any(self.channels([part.held_out[None] for part in parts], False), axis=0)
         return Observed(
             freq=np.concatenate([part.freq for part in parts]),
-            outputs=self.all_outputs,
-            held_out=np.array([dof.point in held_out for dof in self.all_outputs]),
+            channels=self.all_channels,
+            held_out=held_out,
             held_out_lines=np.concatenate([part.held_out_lines for part in parts]),
             correlation_length=max(part.correlation_length for part in parts),
             averages=min(part.averages for part in parts),
@@ -142,6 +164,26 @@ class SpectrumStack:
             arrays = [array for part in parts if (array := getattr(part, name)) is not None]
             spectra[name] = self.channels(arrays, 1.0) if len(arrays) == len(parts) else None
         return spectra
+
+
+def _keys(channels: Sequence[FrfChannel]) -> tuple[ChannelKey, ...]:
+    drives = list(dict.fromkeys(channel.drive for channel in channels))
+    return tuple((channel.response, drives.index(channel.drive)) for channel in channels)
+
+
+def _stacked(
+    parts: Sequence[NDArray[Any]],
+    keys: Sequence[Sequence[object]],
+    all_keys: Sequence[object],
+    absent: complex,
+) -> NDArray[Any]:
+    """Return the columns of arrays (.., n_freq, n) at the places of their keys, one below the other."""
+    padded_parts = []
+    for columns, part in zip(keys, parts, strict=True):
+        padded = np.full((*part.shape[:-1], len(all_keys)), absent, part.dtype)
+        padded[..., [all_keys.index(key) for key in columns]] = part
+        padded_parts.append(padded)
+    return np.concatenate(padded_parts, axis=-2)
 
 
 def _shared_noise(part: Observed) -> FloatArray:

@@ -12,7 +12,7 @@ from modallab.diagnosis.reporting.legend import legend
 from modallab.diagnosis.reporting.ratio_plot import ratio_drawing
 from modallab.diagnosis.reporting.residual_plot import residual_chart
 from modallab.diagnosis.reporting.settings import DRAWING, REPORT
-from modallab.diagnosis.result_curves import DiagnosisCurves
+from modallab.diagnosis.result_curves import DiagnosisCurves, FrfCurves
 
 
 def all_curves(curves: DiagnosisCurves, *, added: bool) -> str:
@@ -23,7 +23,8 @@ def all_curves(curves: DiagnosisCurves, *, added: bool) -> str:
     added
         Whether effects were added; if not, initial and final prediction are the same curve.
     """
-    figures = [_channel(curves, channel, why, added) for channel, why in shown_channels(curves).items()]
+    shown = shown_channels(curves).items()
+    figures = [_channel(curves.by_frf, channel, why, added) for channel, why in shown]
     if curves.predicted is not None:
         figures += [_unmeasured(curves, i) for i in range(min(2, len(curves.predicted_outputs)))]
     return f'<h2>Curves</h2><p class="soft">{legend(added)}</p><div class="two">{"".join(figures)}</div>'
@@ -31,14 +32,15 @@ def all_curves(curves: DiagnosisCurves, *, added: bool) -> str:
 
 def shown_channels(curves: DiagnosisCurves) -> dict[int, str]:
     """Return the channels to draw, each with the reason: drive point, worst fitted, worst held out."""
-    mean_square = (residual(curves, curves.before) ** 2)[1:].mean(axis=(0, 2))
+    frfs = curves.by_frf
+    mean_square = (residual(frfs, frfs.before) ** 2)[1:].mean(axis=0)
     reasons: dict[int, str] = {}
-    for i, dof in enumerate(curves.outputs):
-        if dof.point == curves.inputs[0].point:
-            reasons[i] = "drive point"
+    at_drive = [i for i, dof in enumerate(frfs.outputs) if dof.point == frfs.inputs[i].point]
+    if at_drive:
+        reasons[max(at_drive, key=lambda i: mean_square[i])] = "drive point"
     for group, reason in (
-        (~curves.held_out, "largest residual of the fitted responses"),
-        (curves.held_out, "largest residual of the held-out responses"),
+        (~frfs.held_out, "largest residual of the fitted responses"),
+        (frfs.held_out, "largest residual of the held-out responses"),
     ):
         candidates = [i for i in np.flatnonzero(group) if i not in reasons]
         if candidates:
@@ -46,16 +48,16 @@ def shown_channels(curves: DiagnosisCurves) -> dict[int, str]:
     return reasons
 
 
-def residual(curves: DiagnosisCurves, predicted: ComplexArray) -> FloatArray:
-    """Return |ln(measured / predicted)| over its random error, (n_freq, n_out, n_in)."""
+def residual(curves: FrfCurves, predicted: ComplexArray) -> FloatArray:
+    """Return |ln(measured / predicted)| over its random error, (n_freq, n_frf)."""
     ratio = np.log(np.where(_valid(curves), curves.measured, 1.0) / np.where(_valid(curves), predicted, 1.0))
     return np.asarray(np.abs(ratio) / (np.sqrt(2) * curves.random_error))
 
 
-def _valid(curves: DiagnosisCurves) -> BoolArray:
+def _valid(curves: FrfCurves) -> BoolArray:
     # Zeros have no logarithm; at 0 Hz an inertance is rounding alone.
     sizes = np.minimum(np.minimum(np.abs(curves.measured), np.abs(curves.before)), np.abs(curves.after))
-    return np.asarray((curves.freq > 0)[:, None, None] & (sizes > 0))
+    return np.asarray((curves.freq > 0)[:, None] & (sizes > 0))
 
 
 def largest_difference(curves: DiagnosisCurves) -> tuple[int, IntArray] | None:
@@ -63,9 +65,10 @@ def largest_difference(curves: DiagnosisCurves) -> tuple[int, IntArray] | None:
 
     A held-out channel is preferred, because it tests the prediction independently of the fits.
     """
-    difference = np.where(_valid(curves)[:, :, 0], residual(curves, curves.before)[:, :, 0], 0.0)
-    outlying = curves.held_out & (difference.max(axis=0) > 2 * REPORT.visible_difference)
-    group = np.flatnonzero(outlying if outlying.any() else ~curves.held_out)
+    frfs = curves.by_frf
+    difference = np.where(_valid(frfs), residual(frfs, frfs.before), 0.0)
+    outlying = frfs.held_out & (difference.max(axis=0) > 2 * REPORT.visible_difference)
+    group = np.flatnonzero(outlying if outlying.any() else ~frfs.held_out)
     channel = int(group[difference[:, group].max(axis=0).argmax()])
     smooth = np.convolve(difference[:, channel], np.ones(3) / 3, mode="same")
     peak = int(smooth.argmax())
@@ -90,19 +93,13 @@ def enlarged(curves: DiagnosisCurves, *, added: bool) -> str:
     if location is None:
         return ""
     i, lines = location
-    log_ratio = np.log(curves.measured[lines, i, 0] / curves.before[lines, i, 0])
+    frfs = curves.by_frf
+    log_ratio = np.log(frfs.measured[lines, i] / frfs.before[lines, i])
     if np.abs(log_ratio).max() < REPORT.visible_log_ratio:
-        return ratio_drawing(curves, i, added=added)
-    section = replace(
-        curves,
-        freq=curves.freq[lines],
-        predicted=None,
-        predicted_outputs=(),
-        **{name: getattr(curves, name)[lines] for name in ("measured", "before", "after", "random_error")},
-    )
-    name = _name(curves, i)
+        return ratio_drawing(frfs, i, added=added)
+    section, name = frfs.at_lines(lines), frfs.name(i)
     frequency_axis = svg.frequencies(section.freq)
-    valid = _valid(section)[:, i, 0]
+    valid = _valid(section)[:, i]
     pictures = []
     for quantity in (_magnitude(section, i, valid), _phase(section, i, valid)):
         frame = replace(quantity.frame, x=frequency_axis, height=230.0)
@@ -113,7 +110,7 @@ def enlarged(curves: DiagnosisCurves, *, added: bool) -> str:
             svg.dots(frame, section.freq, quantity.measured, "dot"),
         ]
         pictures.append(f"<figure>{svg.chart(frame, f'{quantity.name} of {name}, enlarged', marks)}</figure>")
-    role = "held out of every fit" if curves.held_out[i] else "fitted"
+    role = "held out of every fit" if frfs.held_out[i] else "fitted"
     caption = (
         f"Response {name}, {role}, near the largest difference of the initial prediction. Dots: measured "
         "lines; bars: ± 2 random errors."
@@ -149,9 +146,9 @@ def _axis_of(name: str, curves: Sequence[FloatArray]) -> svg.Axis:
     return svg.linear(low, high, "dB re 1 m/(s² N)", n_ticks=5)
 
 
-def _magnitude(curves: DiagnosisCurves, i: int, valid: BoolArray) -> _Quantity:
-    error = np.minimum(2 * curves.random_error[:, i, 0], DRAWING.largest_error)
-    levels = [_decibel(values[:, i, 0], valid) for values in (curves.measured, curves.before, curves.after)]
+def _magnitude(curves: FrfCurves, i: int, valid: BoolArray) -> _Quantity:
+    error = np.minimum(2 * curves.random_error[:, i], DRAWING.largest_error)
+    levels = [_decibel(values[:, i], valid) for values in (curves.measured, curves.before, curves.after)]
     return _Quantity(
         "magnitude",
         (levels[0], levels[1], levels[2]),
@@ -159,18 +156,18 @@ def _magnitude(curves: DiagnosisCurves, i: int, valid: BoolArray) -> _Quantity:
     )
 
 
-def _phase(curves: DiagnosisCurves, i: int, valid: BoolArray) -> _Quantity:
-    error = np.degrees(2 * curves.random_error[:, i, 0])
+def _phase(curves: FrfCurves, i: int, valid: BoolArray) -> _Quantity:
+    error = np.degrees(2 * curves.random_error[:, i])
     phases = [
-        np.where(valid, np.degrees(np.angle(values[:, i, 0])), np.nan)
+        np.where(valid, np.degrees(np.angle(values[:, i])), np.nan)
         for values in (curves.measured, curves.before, curves.after)
     ]
     return _Quantity("phase", (phases[0], phases[1], phases[2]), (-error, error))
 
 
-def _channel(curves: DiagnosisCurves, i: int, reason: str, added: bool) -> str:
-    valid = _valid(curves)[:, i, 0]
-    name = _name(curves, i)
+def _channel(curves: FrfCurves, i: int, reason: str, added: bool) -> str:
+    valid = _valid(curves)[:, i]
+    name = curves.name(i)
     pictures = []
     for quantity, height in ((_magnitude(curves, i, valid), 190.0), (_phase(curves, i, valid), 110.0)):
         unlabelled = svg.linear(float(curves.freq[0]), float(curves.freq[-1]), "")
@@ -193,10 +190,6 @@ def _channel(curves: DiagnosisCurves, i: int, reason: str, added: bool) -> str:
     return f"<figure>{''.join(pictures)}<figcaption>{escape(caption)}</figcaption></figure>"
 
 
-def _name(curves: DiagnosisCurves, i: int) -> str:
-    return f"{curves.outputs[i]} / {curves.inputs[0]}"
-
-
 def _with_breaks(phase: FloatArray) -> FloatArray:
     """Return a phase in degrees with nan where it jumps between -180 and 180, so that no line is drawn."""
     jumps = np.flatnonzero(np.abs(np.diff(phase)) > 180)
@@ -205,9 +198,9 @@ def _with_breaks(phase: FloatArray) -> FloatArray:
     return broken
 
 
-def _errors(curves: DiagnosisCurves, i: int, valid: BoolArray, name: str, added: bool) -> str:
+def _errors(curves: FrfCurves, i: int, valid: BoolArray, name: str, added: bool) -> str:
     initial, final = (
-        np.where(valid, residual(curves, predicted)[:, i, 0], np.nan)
+        np.where(valid, residual(curves, predicted)[:, i], np.nan)
         for predicted in (curves.before, curves.after)
     )
     return residual_chart(curves.freq, initial, final, f"residual of {name} in random errors", added)

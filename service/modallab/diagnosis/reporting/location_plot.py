@@ -12,7 +12,7 @@ from modallab.diagnosis.reporting.figures import residual
 from modallab.diagnosis.reporting.legend import keys
 from modallab.diagnosis.reporting.settings import DRAWING
 from modallab.diagnosis.result import Diagnosis
-from modallab.diagnosis.result_curves import DiagnosisCurves
+from modallab.diagnosis.result_curves import FrfCurves
 from modallab.fe.members import AnyMember, sides
 from modallab.fe.structure import Structure
 
@@ -28,7 +28,7 @@ FORCE_DIRECTIONS = {
 
 def location_drawings(diagnosis: Diagnosis) -> str:
     """Return the maps of the residuals, initial and final, and the sketch of the structure."""
-    curves = diagnosis.curves
+    curves = diagnosis.curves.by_frf
     maps = [_figure(_map(curves, curves.before, "initial prediction"), "Initial prediction.")]
     if diagnosis.steps:
         maps.append(_figure(_map(curves, curves.after, "with the added effects"), "With the added effects."))
@@ -49,9 +49,9 @@ def _figure(picture: str, words: str, style: str = "") -> str:
     return f"<figure{mark}>{picture}<figcaption>{words}</figcaption></figure>"
 
 
-def _map(curves: DiagnosisCurves, predicted: ComplexArray, stage: str) -> str:
-    """Return a map: a row for each response, cells over frequency coloured by residual."""
-    difference = residual(curves, predicted)[:, :, 0]
+def _map(curves: FrfCurves, predicted: ComplexArray, stage: str) -> str:
+    """Return a map: a row for each FRF, cells over frequency coloured by residual."""
+    difference = residual(curves, predicted)
     edges = np.unique(
         np.linspace(0, len(curves.freq), min(DRAWING.map_columns, len(curves.freq)) + 1).astype(int)
     )
@@ -68,11 +68,13 @@ def _map(curves: DiagnosisCurves, predicted: ComplexArray, stage: str) -> str:
     spacing = float(curves.freq[-1] - curves.freq[0]) / len(curves.freq)
     ends = frame.across(curves.freq[0] + edges * spacing)
     parts = []
+    several = len(set(curves.inputs)) > 1
     for i, (dof, is_held_out) in enumerate(zip(curves.outputs, curves.held_out, strict=True)):
         top = svg.MARGIN["top"] + i * row_height
         parts += _row(levels[:, i], ends, top, row_height)
         if i % label_step == 0:
-            label = f"{dof} *" if is_held_out else str(dof)
+            name = curves.name(i) if several else str(dof)
+            label = f"{name} *" if is_held_out else name
             parts.append(svg.text(svg.MARGIN["left"] - 6, top + row_height / 2 + 4, label, "side"))
     return svg.chart(frame, f"difference by response and frequency, {stage}", parts)
 
@@ -88,7 +90,10 @@ def _row(levels: IntArray, ends: FloatArray, top: float, height: float) -> list[
 
 def _sketch_and_words(diagnosis: Diagnosis) -> tuple[str, str]:
     words = (
-        "Structure with drive point (arrow) and responses, coloured by the difference of the initial "
+        "Structure with responses (arrows) and struck points, coloured by the difference of the initial "
+        "prediction"
+        if len(diagnosis.curves.inputs) > 1
+        else "Structure with drive point (arrow) and responses, coloured by the difference of the initial "
         "prediction"
     )
     places = [step.effect.at for step in diagnosis.steps if step.effect.at is not None]
@@ -98,19 +103,39 @@ def _sketch_and_words(diagnosis: Diagnosis) -> tuple[str, str]:
 def _sketch(diagnosis: Diagnosis) -> str:
     """Return a sketch of members and measured nodes, with rings at the places of added effects."""
     structure, curves = diagnosis.structure, diagnosis.curves
+    frfs, several = curves.by_frf, len(curves.inputs) > 1
     at, height = _places(structure)
     parts = [_line("rim", at[a], at[b]) for a, b in _edges(structure.non_bar_members)]
     parts += [_line("member", at[a], at[b]) for a, b in _edges(structure.members)]
     rings = [_ring(step.effect.at, structure, at) for step in diagnosis.steps]
-    difference = np.sqrt((residual(curves, curves.before)[1:, :, 0] ** 2).mean(axis=0))
-    for dof, level in zip(curves.outputs, np.digitize(difference, DRAWING.level_limits), strict=True):
+    squares = (residual(frfs, frfs.before)[1:] ** 2).mean(axis=0)
+    shown = _coloured_dofs(frfs, squares)
+    for dof, level in zip(
+        shown, np.digitize(np.sqrt(list(shown.values())), DRAWING.level_limits), strict=True
+    ):
         x, y = at[dof.node]
         parts.append(f'<circle class="l{level} node" cx="{x:.1f}" cy="{y:.1f}" r="5"/>')
     parts += [ring for ring in rings if ring]
     upright = _beside_vertical_members(structure, at)
-    parts.append(_arrow(curves.inputs[0], at, upright))
-    parts += _numbers(at, [dof.node for dof in curves.outputs], upright)
+    # Arrows at all points that a hammer struck would hide the structure: at the references, then.
+    parts += [_arrow(dof, at, upright) for dof in (curves.outputs if several else curves.inputs[:1])]
+    parts += _numbers(at, [dof.node for dof in shown], upright)
     return svg.drawing(DRAWING.width, height, "structure with measured responses", parts)
+
+
+def _coloured_dofs(frfs: FrfCurves, squares: FloatArray) -> dict[Dof, float]:
+    """Return the mean square of each response's FRFs, or with a roving hammer of each struck point's.
+
+    Parameters
+    ----------
+    squares
+        (n_frf,) mean squared residual of each FRF.
+    """
+    several = len(set(frfs.inputs)) > 1
+    by_dof: dict[Dof, list[float]] = {}
+    for dof, square in zip(frfs.inputs if several else frfs.outputs, squares, strict=True):
+        by_dof.setdefault(dof, []).append(float(square))
+    return {dof: float(np.mean(values)) for dof, values in by_dof.items()}
 
 
 def _edges(members: Iterable[AnyMember]) -> list[tuple[int, int]]:

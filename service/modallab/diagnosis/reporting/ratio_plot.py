@@ -9,19 +9,19 @@ from modallab.core.numerics import COMPARISON_ROUNDING
 from modallab.diagnosis.reporting import svg
 from modallab.diagnosis.reporting.legend import legend
 from modallab.diagnosis.reporting.settings import DRAWING, REPORT
-from modallab.diagnosis.result_curves import DiagnosisCurves
+from modallab.diagnosis.result_curves import FrfCurves
 
 
-def ratio_drawing(curves: DiagnosisCurves, i: int, *, added: bool) -> str:
+def ratio_drawing(curves: FrfCurves, i: int, *, added: bool) -> str:
     """Return the ratio of one FRF to its initial prediction, magnitude in per cent and phase in degrees."""
-    error = curves.random_error[:, i, 0]
-    sizes = np.minimum(np.abs(curves.measured[:, i, 0]), np.abs(curves.before[:, i, 0]))
+    error = curves.random_error[:, i]
+    sizes = np.minimum(np.abs(curves.measured[:, i]), np.abs(curves.before[:, i]))
     lines = np.flatnonzero((curves.freq > 0) & (sizes > 0))
     lines = lines[error[lines] <= REPORT.poor_line * np.median(error[lines])]
     lines = lines[:: -(-len(lines) // DRAWING.ratio_dots)]
-    initial = curves.before[lines, i, 0]
-    measured, final = curves.measured[lines, i, 0] / initial, curves.after[lines, i, 0] / initial
-    freq, spread, name = curves.freq[lines], error[lines], f"{curves.outputs[i]} / {curves.inputs[0]}"
+    initial = curves.before[lines, i]
+    measured, final = curves.measured[lines, i] / initial, curves.after[lines, i] / initial
+    freq, spread, name = curves.freq[lines], error[lines], curves.name(i)
     parts = (
         ("magnitude, %", 100 * (np.abs(measured) - 1), 100 * (np.abs(final) - 1), 200 * spread),
         (
@@ -47,7 +47,7 @@ def ratio_drawing(curves: DiagnosisCurves, i: int, *, added: bool) -> str:
 
 
 def _chart(
-    curves: DiagnosisCurves,
+    curves: FrfCurves,
     freq: FloatArray,
     part: tuple[str, FloatArray, FloatArray, FloatArray],
     title: str,

@@ -231,11 +231,19 @@ def _candidate_row(rival: Rival) -> Row:
 def _repetition(diagnosis: Diagnosis, provenance: Mapping[str, str]) -> str:
     analyser, curves = diagnosis.setup.analyser, diagnosis.curves
     seed = "no seed was used" if diagnosis.seed is None else f"seed {diagnosis.seed}"
-    held_out = [str(d) for d, is_out in zip(curves.outputs, curves.held_out, strict=True) if is_out]
+    frfs, roving_hammer = curves.by_frf, len(curves.inputs) > 1
+    held_out = [
+        frfs.name(i) if roving_hammer else str(frfs.outputs[i])
+        for i in np.flatnonzero(frfs.held_out).tolist()
+    ]
+    drive = (
+        f"a hammer at {len(curves.inputs)} points" if roving_hammer else f"a force at {diagnosis.setup.drive}"
+    )
     exclusion = f" Held out of every fit: {', '.join(held_out)}." if held_out else ""
     test = (
-        f"Test: {len(curves.outputs)} responses to a force at {diagnosis.setup.drive}, "
-        f"{analyser.n_lines} lines to {analyser.frequency_max:g} Hz, {analyser.averages} averages, "
+        f"Test: {len(curves.outputs)} responses to {drive}, "
+        f"{len(curves.freq)} lines from {curves.freq[0]:g} to {curves.freq[-1]:g} Hz, "
+        f"{analyser.averages} averages, "
         f"{analyser.excitation.kind.replace('_', ' ')} excitation, {analyser.window} window.{exclusion}"
     )
     follow_ups = "".join(

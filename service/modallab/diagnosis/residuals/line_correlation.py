@@ -1,7 +1,7 @@
 """Correlation of residuals from line to line, for the errors of parameters fitted to them."""
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
+import scipy
 from scipy.sparse import coo_array
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
@@ -35,14 +35,17 @@ class _Scores:
     """
 
     def __init__(self, residual: Residual, mask: BoolArray) -> None:
-        n_lines, n_out = mask.shape
+        n_lines = len(mask)
         line, series, _ = _labels(residual, mask)
-        n_run = 1 if residual.force is None else residual.force.shape[1]
-        run = _channel(series, n_out, n_run) if n_run == n_out else np.zeros_like(series)
+        run_of_channel = residual.run_of_channel
+        n_run = int(run_of_channel[-1]) + 1
+        run = _run(series, run_of_channel, 0 if residual.force is None else n_run)
         self._vector = residual.vector(mask)
         self._mean_square = max(1.0, float(self._vector @ self._vector) / len(self._vector))
         self._shape = (n_run, n_lines)
-        ranges = (_correlation_range(part, mask, n_run) for part in residual.parts.values())
+        ranges = (
+            _correlation_range(part, residual.mask_of(part, mask), n_run) for part in residual.parts.values()
+        )
         self._range = max(LINE_CORRELATION.score_lags, *ranges)
         entry = run * n_lines + line, np.arange(len(line))
         self._sums = coo_array((np.ones(len(line)), entry), shape=(n_run * n_lines, len(line))).tocsr()
@@ -51,7 +54,7 @@ class _Scores:
         """Return U^T C U with the residuals' covariance C over their mean square, if that is above 1."""
         n, width = columns.shape[1], LINE_CORRELATION.leverage_lines
         weight = (self._sums @ np.sum(columns**2, axis=1)).reshape(self._shape)
-        leverage = width * uniform_filter1d(weight, width, axis=1, mode="constant")
+        leverage = width * scipy.ndimage.uniform_filter1d(weight, width, axis=1, mode="constant")
         scores = (self._sums @ (columns * self._vector[:, None])).reshape(*self._shape, n)
         scores /= 1 - leverage.clip(0.0, LINE_CORRELATION.max_leverage)[..., None]
         short = _tapered(scores, LINE_CORRELATION.score_lags)
@@ -64,11 +67,8 @@ class _Scores:
 
 def _correlation_range(part: ComplexArray | FloatArray, mask: BoolArray, n_run: int) -> int:
     """Return the lag in lines at which the taper of a part ends: 1.5 times its last significant one."""
-    run_mask = mask if part.shape[1] == mask.shape[1] else mask.any(axis=1, keepdims=True)
     n = len(part)
-    covariance = autocovariance(np.where(run_mask, part, 0)).real[
-        : max(n // LINE_CORRELATION.leakage_range, 1)
-    ]
+    covariance = autocovariance(np.where(mask, part, 0)).real[: max(n // LINE_CORRELATION.leakage_range, 1)]
     count = n * n_run
     bound = LINE_CORRELATION.significance * np.sqrt(np.log10(count) / count)
     threshold = bound * max(float(covariance[0]), SAFE_DIVISOR)
@@ -140,6 +140,7 @@ def _labels(residual: Residual, mask: BoolArray) -> tuple[IntArray, IntArray, In
             np.broadcast_to((frf + 1j * frf_imag) / np.sqrt(2), mask.shape),
             None if residual.force is None else np.broadcast_to(force.astype(float), residual.force.shape),
             None if residual.response is None else np.broadcast_to(response.astype(float), mask.shape),
+            runs=residual.run_of_channel,
         )
         return np.asarray(np.rint(labels.vector(mask)), int)
 
@@ -150,6 +151,14 @@ def _labels(residual: Residual, mask: BoolArray) -> tuple[IntArray, IntArray, In
     return lines, series, parts
 
 
-def _channel(series: IntArray, n_out: int, n_run: int) -> IntArray:
-    """Return the channel, or the run of a force, that each series belongs to; see `_labels`."""
-    return np.where(series < 2 * n_out + n_run, series % n_out, series - 2 * n_out - n_run)
+def _run(series: IntArray, runs: IntArray, n_forces: int) -> IntArray:
+    """Return the run that each series belongs to; see `_labels`.
+
+    Parameters
+    ----------
+    runs
+        (n_out,) number of each channel's run.
+    n_forces
+        Number of force spectra.
+    """
+    return np.concatenate([runs, runs, np.arange(n_forces), runs])[series]

@@ -2,25 +2,35 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
-from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfKind
+from modallab.diagnosis.residuals.channel_spectra import ChannelSpectra
+from modallab.diagnosis.residuals.free_levels import ALL_DECLARED, FreeLevels
+from modallab.diagnosis.residuals.frf_selection import FrfSelection
 from modallab.diagnosis.residuals.predicted import VarianceRatios
 from modallab.diagnosis.residuals.random_error import (
+    check_random_error_known,
     coherence_and_variance,
     force_spectrum,
     incoherent_spectrum,
     replace_zeros,
+    scatter_error,
     shared_noise,
     weak_line_factor,
 )
 from modallab.diagnosis.residuals.settings import RANDOM_ERROR
 from modallab.estimation.settings import FORCE_NOISE
+from modallab.estimation.spectra import CrossSpectra
 from modallab.estimation.windows import WINDOWS
+from modallab.rig.analyser import Analyser
+from modallab.rig.excitation import EXCITATIONS
+from modallab.rig.frf_channel import FrfChannel
 from modallab.rig.measurement import Measurement
 
 
@@ -35,8 +45,8 @@ class Observed:
 
     freq: FloatArray
     """(n_freq,) Hz."""
-    outputs: tuple[Dof, ...]
-    """Responses, n_out of them."""
+    channels: tuple[FrfChannel, ...]
+    """FRFs, n_out of them: one for each response of each run."""
     h: ComplexArray
     """(n_freq, n_out) H1 as inertance, 1/kg."""
     error: FloatArray
@@ -54,7 +64,7 @@ class Observed:
     usable: BoolArray
     """(n_freq, n_out), entries with enough coherence."""
     held_out: BoolArray
-    """(n_out,), responses excluded from every fit."""
+    """(n_out,), FRFs excluded from every fit."""
     held_out_lines: BoolArray
     """(n_freq,), lines excluded from every fit."""
     correlation_length: float
@@ -65,8 +75,20 @@ class Observed:
     """Effective number of averages."""
     variance_floor: float = RANDOM_ERROR.prediction_error**2
     """Least variance of the logarithm of an auto spectrum."""
+    free_levels: FreeLevels = ALL_DECLARED
+    """Levels that the log book leaves open."""
     shared_noise: FloatArray | None = None
-    """(n_freq, n_out), share of an FRF's variance that the force's noise has, common to all channels."""
+    """(n_freq, n_out), share of an FRF's variance that the force's noise has, common to all of a run."""
+
+    @property
+    def outputs(self) -> tuple[Dof, ...]:
+        """(n_out,): the response of each FRF."""
+        return tuple(channel.response for channel in self.channels)
+
+    @cached_property
+    def runs(self) -> IntArray:
+        """(n_out,): the number of each FRF's run, in ascending order."""
+        return np.array([channel.run for channel in self.channels])
 
     @property
     def fitted(self) -> BoolArray:
@@ -88,9 +110,18 @@ class Observed:
             incoherent_variance=None if incoherent is None else incoherent * ratios.response,
         )
 
-    def decimated(self, step: int) -> "Observed":
-        """Return every `step`-th line."""
-        lines = slice(None, None, step)
+    def with_levels(self, spectra: CrossSpectra, lines: IntArray | None = None) -> CrossSpectra:
+        """Return expected spectra with the levels that the log book leaves open, fitted to the measured ones.
+
+        Parameters
+        ----------
+        lines
+            (n,) indices of the measured lines among those of the spectra; None: all.
+        """
+        return self.free_levels.fitted(spectra, self, lines)
+
+    def at(self, lines: IntArray) -> "Observed":
+        """Return some of the lines, (n,) indices."""
         return replace(
             self,
             freq=self.freq[lines],
@@ -107,53 +138,56 @@ class Observed:
             shared_noise=_rows(self.shared_noise, lines),
         )
 
-    def _force_variance_at(self, lines: slice) -> FloatArray | float:
+    def _force_variance_at(self, lines: IntArray) -> FloatArray | float:
         variance = self.force_variance
         return variance if isinstance(variance, float) else variance[lines]
 
 
-def _rows(array: FloatArray | None, lines: slice) -> FloatArray | None:
+def _rows(array: FloatArray | None, lines: IntArray) -> FloatArray | None:
     return None if array is None else array[lines]
 
 
 def _from_zero_frequency(measurement: Measurement) -> Measurement:
-    """Return a measurement with an unusable line at 0 Hz, where its frequency axis starts above it."""
-    if measurement.frf.freq[0] == 0:
+    """Return a measurement with an unusable line at 0 Hz, where it lacks that line of the analyser."""
+    analyser, lowest = measurement.setup.analyser, measurement.frf.freq[0]
+    if analyser.frequency_min > 0 or round(lowest / analyser.spacing) != 1:
         return measurement
     return measurement.by_line(lambda array: np.concatenate([np.zeros_like(array[:1]), array]))
 
 
-def observe(measurement: Measurement, held_out: Sequence[Dof], *, fraction: float) -> Observed:
+def observe(measurement: Measurement, held_out: Sequence[FrfSelection], *, fraction: float) -> Observed:
     """Return the measured spectra, their random errors and the split into fitted and held-out data.
 
     Parameters
     ----------
     held_out
-        Responses excluded from every fit; with none, every 1/fraction-th line is held out instead.
+        FRFs excluded from every fit; with none, every 1/fraction-th line is held out instead.
 
     Raises
     ------
     InvalidInputError
         If no random error is known, see `check_random_error_known`; or if no line is left to fit.
     """
-    measurement = _from_zero_frequency(measurement.to(FrfKind.INERTANCE))
-    g2, coherence_variance = coherence_and_variance(measurement)
+    check_random_error_known(measurement)
+    spectra = ChannelSpectra.of(_from_zero_frequency(measurement.to(FrfKind.INERTANCE)))
+    g2, coherence_variance = coherence_and_variance(spectra)
     noise_floor = measurement.noise_floor or 0.0
-    analyser, frf = measurement.setup.analyser, measurement.frf
+    analyser = measurement.setup.analyser
     # H1, whatever the estimator was: H2 = H1 / g2 and Hv = H1 / g.
     power = {"h1": 0.0, "h2": 1.0, "hv": 0.5}[analyser.estimator]
-    h = frf.values[:, :, 0] * g2**power
+    h = spectra.h * g2**power
     prediction_error = RANDOM_ERROR.prediction_error
-    error = np.sqrt(coherence_variance + (noise_floor * weak_line_factor(h)) ** 2 + prediction_error**2)
+    line_error = _line_error(spectra, analyser.window)
+    error = np.sqrt(coherence_variance + (line_error * weak_line_factor(h)) ** 2 + prediction_error**2)
     # Power has twice the relative error of amplitude.
     variance_floor = 4 * (noise_floor**2 + prediction_error**2)
-    incoherent, incoherent_variance = incoherent_spectrum(measurement, variance_floor)
-    force, force_variance = force_spectrum(measurement, variance_floor)
-    channels, lines = _held_out(measurement, held_out, fraction)
+    incoherent, incoherent_variance = incoherent_spectrum(spectra, variance_floor)
+    force, force_variance = force_spectrum(spectra, variance_floor)
+    channels, lines = _held_out(spectra, held_out, fraction)
     window = WINDOWS[analyser.window].samples(RANDOM_ERROR.window_samples) ** 2
     observed = Observed(
-        freq=frf.freq,
-        outputs=frf.outputs,
+        freq=spectra.freq,
+        channels=spectra.channels,
         h=replace_zeros(h),
         error=error,
         coherence=g2,
@@ -161,27 +195,51 @@ def observe(measurement: Measurement, held_out: Sequence[Dof], *, fraction: floa
         force_variance=force_variance,
         incoherent=incoherent,
         incoherent_variance=incoherent_variance,
-        usable=(g2 > FORCE_NOISE.min_coherence) & (frf.freq > 0)[:, None] & (np.abs(h) > 0),
+        usable=(g2 > FORCE_NOISE.min_coherence) & _driven(analyser, spectra.freq)[:, None] & (np.abs(h) > 0),
         held_out=channels,
         held_out_lines=lines,
         correlation_length=float((window**2).mean() / window.mean() ** 2),
         bias=2 * coherence_variance**2 / error**2,
         averages=measurement.averages,
         variance_floor=variance_floor,
-        shared_noise=shared_noise(measurement),
+        shared_noise=shared_noise(spectra),
+        free_levels=FreeLevels.of(measurement.setup),
     )
     _check_fittable(observed)
     return observed
 
 
+def _line_error(spectra: ChannelSpectra, window: str) -> FloatArray | float:
+    """Return the random error of each FRF over its median, beside what coherence tells.
+
+    As stated; without both, that which the scatter of neighbouring lines shows.
+    """
+    if spectra.noise_floor is not None:
+        return spectra.noise_floor
+    scatter = scatter_error(spectra.h, window) if spectra.coherence is None else None
+    return 0.0 if scatter is None else scatter
+
+
+def _driven(analyser: Analyser, freq: FloatArray) -> BoolArray:
+    """Return the lines (n_freq,) above 0 Hz that the source drives, in full with the window's neighbours."""
+    if analyser.excitation.band is None:
+        return np.asarray(freq > 0)
+    first, last = (line * analyser.spacing for line in analyser.driven_lines)
+    mixed = RANDOM_ERROR.window_reach * analyser.spacing
+    margin = mixed if EXCITATIONS[analyser.excitation.kind].continuous > 0 else 0.0
+    tolerance = RANDOM_ERROR.line_tolerance * analyser.spacing
+    low, high = first + margin - tolerance, last - margin + tolerance
+    return np.asarray((freq > 0) & (freq >= low) & (freq <= high))
+
+
 def _held_out(
-    measurement: Measurement, held_out: Sequence[Dof], fraction: float
+    spectra: ChannelSpectra, held_out: Sequence[FrfSelection], fraction: float
 ) -> tuple[BoolArray, BoolArray]:
-    """Return the held-out responses (n_out,) and lines (n_freq,)."""
-    frf = measurement.frf
-    points = {dof.point for dof in held_out}
-    channels = np.array([dof.point in points for dof in frf.outputs])
-    lines = np.zeros(len(frf.freq), bool)
+    """Return the held-out FRFs (n_out,) and lines (n_freq,)."""
+    channels = np.array(
+        [any(selection.selects(channel) for selection in held_out) for channel in spectra.channels]
+    )
+    lines = np.zeros(len(spectra.freq), bool)
     if not channels.any() and fraction > 0:
         lines[2 :: max(2, round(1 / fraction))] = True
     return channels, lines
@@ -196,7 +254,8 @@ def _check_fittable(observed: Observed) -> None:
             allowed=bounds(exclusive_minimum=FORCE_NOISE.min_coherence),
         )
     if not observed.fitted.any():
-        responses = [str(dof) for dof, out in zip(observed.outputs, observed.held_out, strict=True) if out]
+        pairs = zip(observed.outputs, observed.held_out, strict=True)
+        responses = list(dict.fromkeys(str(dof) for dof, out in pairs if out))
         raise InvalidInputError(
             "with these held out nothing is left to fit", field="hold_out", value=list(responses)
         )

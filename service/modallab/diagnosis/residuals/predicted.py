@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.numerics import COHERENCE_ROUNDING
 from modallab.diagnosis.residuals.random_error import RealOrComplex
 from modallab.estimation.coherence import coherence
@@ -49,6 +49,16 @@ class VarianceRatios:
             incoherent = np.array([_side_by_side(test) for test in response])
             deviations = (force.swapaxes(1, 2), h, incoherent)
         return cls(runs.force.T, _side_by_side(runs.frf), _side_by_side(runs.response), deviations)
+
+    def at(self, lines: IntArray) -> "VarianceRatios":
+        """Return the ratios at some of the lines, (n,) indices; itself if these are all."""
+        if len(lines) == len(self.frf):
+            return self
+        deviations = self.deviations
+        if deviations is not None:
+            force, frf, response = deviations
+            deviations = force[:, lines], frf[:, lines], response[:, lines]
+        return VarianceRatios(self.force[lines], self.frf[lines], self.response[lines], deviations)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,4 +116,19 @@ class Predicted:
             None if excess_variance is None else lambda: _side_by_side(excess_variance()),
             None if variance_factors is None else lambda: VarianceRatios.of(variance_factors(), spectra),
             lines_correlated,
+        )
+
+    def at(self, lines: IntArray) -> "Predicted":
+        """Return the spectra at some of the lines, (n,) indices; itself if these are all."""
+        if len(lines) == len(self.h):
+            return self
+        excess, ratios = self.excess_variance, self.variance_ratios
+        return Predicted(
+            self.h[lines],
+            self.coherence[lines],
+            self.force[lines],
+            self.incoherent[lines],
+            None if excess is None else lambda: excess()[lines],
+            None if ratios is None else lambda: ratios().at(lines),
+            self.lines_correlated,
         )

@@ -8,9 +8,12 @@ from scipy.special import digamma, polygamma
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import InvalidInputError
 from modallab.core.numerics import COHERENCE_ROUNDING, SAFE_DIVISOR
+from modallab.diagnosis.residuals.channel_spectra import ChannelSpectra
 from modallab.diagnosis.residuals.settings import RANDOM_ERROR
 from modallab.estimation.force_noise import ForceChannelNoise
+from modallab.estimation.line_scatter import estimated_error
 from modallab.estimation.settings import FORCE_NOISE
+from modallab.estimation.windows import WINDOWS
 from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.measurement import Measurement
 
@@ -23,19 +26,25 @@ def replace_zeros(array: RealOrComplex) -> RealOrComplex:
 
 
 def check_random_error_known(measurement: Measurement) -> None:
-    """Raise unless the random error of every line is known: from coherence and averages, or as stated.
+    """Raise unless the random error of every line is known.
+
+    From coherence and averages, or as stated, or from the scatter of neighbouring lines.
 
     Raises
     ------
     InvalidInputError
-        If there is no noise floor and no coherence, or too few averages to use the coherence.
+        If there is no noise floor, and either too few averages to use the coherence, or neither a coherence
+        nor enough lines.
     """
     if measurement.noise_floor is not None:
         return
     if measurement.coherence is None:
+        values = np.asarray(measurement.frf.values, complex).reshape(len(measurement.frf.freq), -1)
+        if scatter_error(values, measurement.setup.analyser.window) is not None:
+            return
         raise InvalidInputError(
-            "a diagnosis weighs residuals by their random error: give the coherence and the number of "
-            "averages, or else a noise floor",
+            "a diagnosis weighs residuals by their random error, and there are too few lines to estimate it: "
+            "give the coherence and the number of averages, or else a noise floor",
             field="coherence",
             allowed="(n_freq, n_out), 0 to 1; or noise_floor, the relative random error of the FRFs",
         )
@@ -48,15 +57,23 @@ def check_random_error_known(measurement: Measurement) -> None:
         )
 
 
-def coherence_and_variance(measurement: Measurement) -> tuple[FloatArray, FloatArray]:
+def scatter_error(h: ComplexArray, window: str) -> FloatArray | None:
+    """Return the random error of FRFs (n_freq, n_out) over their median magnitude; None if lines are too few.
+
+    (n_out,), from the scatter of neighbouring lines about a smooth local model.
+    """
+    estimates = estimated_error(h[1:], WINDOWS[window])
+    return None if estimates is None else np.array([estimate.value for estimate in estimates])
+
+
+def coherence_and_variance(spectra: ChannelSpectra) -> tuple[FloatArray, FloatArray]:
     """Return the coherence, 1 where it is unknown, and the relative variance of |H| that follows from it.
 
     Both (n_freq, n_out).
     """
-    check_random_error_known(measurement)
-    g2, n = measurement.coherence, measurement.averages
+    g2, n = spectra.coherence, spectra.averages
     if g2 is None or n <= RANDOM_ERROR.min_averages:
-        zeros = np.zeros(measurement.frf.values.shape[:2])
+        zeros = np.zeros(spectra.h.shape)
         return zeros + 1, zeros
     return g2, (1 - g2) / (2 * np.maximum(g2, FORCE_NOISE.min_coherence) * (n - 2))
 
@@ -71,7 +88,7 @@ def weak_line_factor(h: ComplexArray) -> FloatArray:
 
 
 def incoherent_spectrum(
-    measurement: Measurement, variance_floor: float
+    spectra: ChannelSpectra, variance_floor: float
 ) -> tuple[FloatArray | None, FloatArray | None]:
     """Return G_xx (1 - coherence) and the variance of its logarithm, both (n_freq, n_out).
 
@@ -82,10 +99,10 @@ def incoherent_spectrum(
     variance_floor
         Least variance of the logarithm.
     """
-    spectrum, g2, n = measurement.response_spectrum, measurement.coherence, measurement.averages
-    if spectrum is None or g2 is None or n <= RANDOM_ERROR.min_averages:
+    response, g2, n = spectra.response, spectra.coherence, spectra.averages
+    if response is None or g2 is None or n <= RANDOM_ERROR.min_averages:
         return None, None
-    incoherent, floor = spectrum * (1 - g2), COHERENCE_ROUNDING * spectrum
+    incoherent, floor = response * (1 - g2), COHERENCE_ROUNDING * response
     # Where rounding is the larger part, the logarithm has an error of order one.
     rounding = floor / (incoherent + floor + SAFE_DIVISOR)
     variance = polygamma(1, n - 1) * (1 - rounding) ** 2 + rounding**2 + variance_floor
@@ -93,7 +110,7 @@ def incoherent_spectrum(
 
 
 def force_spectrum(
-    measurement: Measurement, variance_floor: float
+    spectra: ChannelSpectra, variance_floor: float
 ) -> tuple[FloatArray | None, FloatArray | float]:
     """Return G_ff (n_freq, n_run), N^2/Hz, and the variance of its logarithm.
 
@@ -105,49 +122,54 @@ def force_spectrum(
     variance_floor
         Least variance of the logarithm.
     """
-    runs = slice(None) if measurement.setup.accelerometers.roving else slice(0, 1)
-    if measurement.force_spectrum is None:
+    if spectra.force is None:
         return None, 1.0
-    force = replace_zeros(measurement.force_spectrum[:, runs, 0])
-    excitation = EXCITATIONS[measurement.setup.analyser.excitation.kind]
-    periodic = excitation.deterministic and measurement.coherence is not None
-    random_share = _force_noise_bound(measurement) / force if periodic else np.ones_like(force)
+    force = replace_zeros(spectra.force)
+    excitation = EXCITATIONS[spectra.excitation.kind]
+    periodic = excitation.deterministic and spectra.coherence is not None
+    random_share = _force_noise_bound(spectra) / force if periodic else np.ones_like(force)
     random_share = np.clip(random_share, RANDOM_ERROR.prediction_error**2, 1.0)
     # The sizes of blows scatter too, of all lines alike.
-    blow_variance = np.exp(4 * measurement.setup.analyser.excitation.level_scatter**2) - 1
-    gamma_shape = measurement.averages / (random_share * (2 - random_share))
-    variance = polygamma(1, gamma_shape) + blow_variance / measurement.averages
+    blow_variance = np.exp(4 * spectra.excitation.level_scatter**2) - 1
+    gamma_shape = spectra.averages / (random_share * (2 - random_share))
+    variance = polygamma(1, gamma_shape) + blow_variance / spectra.averages
     return force * np.exp(np.log(gamma_shape) - digamma(gamma_shape)), np.asarray(variance + variance_floor)
 
 
-def shared_noise(measurement: Measurement) -> FloatArray | None:
+def shared_noise(spectra: ChannelSpectra) -> FloatArray | None:
     """Return the share of each FRF's random variance that the force's noise has, (n_freq, n_out).
 
     All channels of a run have that noise in common. None where each channel has a run of its own, or the
     spectra do not separate the two noises.
     """
-    g2, force = measurement.coherence, measurement.force_spectrum
-    unshared = measurement.setup.accelerometers.roving or measurement.frf.values.shape[1] < 2
-    if unshared or g2 is None or force is None or measurement.averages <= RANDOM_ERROR.min_averages:
+    g2, force, response = spectra.coherence, spectra.force, spectra.response
+    n_runs = spectra.channels[-1].run + 1
+    if n_runs == len(spectra.channels) or spectra.averages <= RANDOM_ERROR.min_averages:
         return None
-    response = measurement.response_spectrum
-    if response is None:
+    if g2 is None or force is None or response is None:
         return None
-    nonzero = measurement.frf.freq > 0
-    noise = ForceChannelNoise.of(nonzero, g2, replace_zeros(force[:, :1, 0]), response * g2)
-    return None if noise is None else noise.share
+    nonzero, runs = spectra.freq > 0, np.array([channel.run for channel in spectra.channels])
+    share = np.zeros(g2.shape)
+    for run in range(n_runs):
+        in_run = runs == run
+        g2_of_run, force_of_run = g2[:, in_run], replace_zeros(force[:, run, None])
+        noise = ForceChannelNoise.of(nonzero, g2_of_run, force_of_run, response[:, in_run] * g2_of_run)
+        if noise is not None:
+            share[:, in_run] = noise.share
+    return share if share.any() else None
 
 
-def _force_noise_bound(measurement: Measurement) -> float:
+def _force_noise_bound(spectra: ChannelSpectra) -> float:
     """Return an upper bound of the white noise in the force, N^2/Hz.
 
     Noise of the force lowers the coherence at every line, noise of a response where that response is weak:
     the lines of highest coherence bound the former.
     """
-    assert measurement.force_spectrum is not None
-    assert measurement.coherence is not None
-    incoherent = measurement.force_spectrum[:, :, 0] * (1 - measurement.coherence)
-    incoherent = incoherent[measurement.frf.freq > 0]
+    force = spectra.force_by_channel
+    assert force is not None
+    assert spectra.coherence is not None
+    incoherent = force * (1 - spectra.coherence)
+    incoherent = incoherent[spectra.freq > 0]
     width = min(RANDOM_ERROR.noise_average, len(incoherent))
     total = np.cumsum(np.concatenate([np.zeros_like(incoherent[:1]), incoherent]), axis=0)
     means = (total[width:] - total[:-width]) / width

@@ -7,12 +7,12 @@ from functools import cached_property
 import numpy as np
 from scipy.special import polygamma
 
-from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, logarithm
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray, logarithm
 from modallab.core.numerics import SAFE_DIVISOR
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.predicted import Predicted, VarianceRatios
 from modallab.diagnosis.residuals.settings import RANDOM_ERROR, RESIDUAL
-from modallab.estimation.force_noise import decorrelated
+from modallab.estimation.force_noise import decorrelated_by_run
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +38,18 @@ class Residual:
     lines_correlated: bool = False
     """Whether lines share random numbers beyond those that a window mixes."""
     shared_noise: FloatArray | None = None
-    """Share of the FRFs' variance common to all channels, see `Observed.shared_noise`."""
+    """Share of the FRFs' variance common to all channels of a run, see `Observed.shared_noise`."""
+    runs: IntArray | None = None
+    """(n_out,) number of each channel's run, ascending; None: one run, or one for every force channel."""
+
+    @property
+    def run_of_channel(self) -> IntArray:
+        """(n_out,) number of each channel's run."""
+        if self.runs is not None:
+            return self.runs
+        n_out = self.frf.shape[1]
+        own = self.force is not None and self.force.shape[1] == n_out
+        return np.arange(n_out) if own else np.zeros(n_out, int)
 
     @property
     def parts(self) -> dict[str, ComplexArray | FloatArray]:
@@ -53,12 +64,13 @@ class Residual:
         """
         frf, response = self.frf, self.response
         if self.shared_noise is not None:
-            frf = decorrelated(frf, self.shared_noise, mask)
-            response = None if response is None else decorrelated(response, self.shared_noise**2, mask)
+            share, runs = self.shared_noise, self.run_of_channel
+            frf = decorrelated_by_run(frf, share, mask, runs)
+            response = None if response is None else decorrelated_by_run(response, share**2, mask, runs)
         frf = frf[mask]
         parts = [np.sqrt(2) * frf.real, np.sqrt(2) * frf.imag]
         if self.force is not None:
-            parts.append(self.force[_by_run(mask, self.force.shape[1])])
+            parts.append(self.force[self.mask_of(self.force, mask)])
         if response is not None:
             parts.append(response[mask])
         return np.concatenate(parts)
@@ -87,18 +99,24 @@ class Residual:
     def gaps(self, mask: BoolArray) -> dict[str, float]:
         """Return the mean square of each part at the entries of `mask`."""
         return {
-            name: float((np.abs(part[_by_run(mask, part.shape[1])]) ** 2).mean()) if mask.any() else 0.0
+            name: float((np.abs(part[self.mask_of(part, mask)]) ** 2).mean()) if mask.any() else 0.0
             for name, part in self.rescaled.items()
         }
+
+    def mask_of(self, part: ComplexArray | FloatArray, mask: BoolArray) -> BoolArray:
+        """Return a mask (n_freq, n_out) for a part: of forces, where any channel of the run is in it."""
+        if part.shape[1] == mask.shape[1]:
+            return mask
+        return np.logical_or.reduceat(mask, _first_channels(self.run_of_channel), axis=1)
 
     def gap(self, mask: BoolArray) -> float:
         """Return the mean of the parts' mean squares."""
         return float(np.mean(list(self.gaps(mask).values())))
 
 
-def _by_run(mask: BoolArray, n_run: int) -> BoolArray:
-    """Return a mask (n_freq, n_run): as it is if every channel has its own run, else any channel's."""
-    return mask if mask.shape[1] == n_run else np.asarray(mask.any(axis=1, keepdims=True))
+def _first_channels(runs: IntArray) -> IntArray:
+    """Return the first channel of each run, (n_run,)."""
+    return np.unique(runs, return_index=True)[1]
 
 
 def residual(observed: Observed, predicted: Predicted, *, noise_inflation: float = 0.0) -> Residual:
@@ -130,6 +148,7 @@ def residual(observed: Observed, predicted: Predicted, *, noise_inflation: float
         observed.variance_floor,
         predicted.lines_correlated,
         observed.shared_noise,
+        observed.runs,
     )
 
 
@@ -174,7 +193,7 @@ def inflation_weights(observed: Observed, mask: BoolArray, noise_inflation: floa
         force = np.full(observed.force.shape, factor)
     if observed.incoherent_variance is not None:
         response = np.sqrt(observed.incoherent_variance / (observed.incoherent_variance + inflation))
-    return Residual((1 + 1j) / np.sqrt(2) * frf, force, response).vector(mask)
+    return Residual((1 + 1j) / np.sqrt(2) * frf, force, response, runs=observed.runs).vector(mask)
 
 
 def error_ratio(narrow: Observed, wide: Observed) -> FloatArray:
@@ -184,7 +203,8 @@ def error_ratio(narrow: Observed, wide: Observed) -> FloatArray:
         force = np.full(narrow.force.shape, np.sqrt(narrow.force_variance / wide.force_variance))
     if narrow.incoherent_variance is not None and wide.incoherent_variance is not None:
         response = np.sqrt(narrow.incoherent_variance / wide.incoherent_variance)
-    ratios = Residual((1 + 1j) / np.sqrt(2) * narrow.error / wide.error, force, response)
+    frf = (1 + 1j) / np.sqrt(2) * narrow.error / wide.error
+    ratios = Residual(frf, force, response, runs=narrow.runs)
     return ratios.vector(narrow.fitted)
 
 
@@ -205,7 +225,7 @@ def correlation_lengths(
     if not residual.lines_correlated:
         return dict.fromkeys(residual.parts, observed.correlation_length)
     return {
-        name: _correlation_length(np.where(_by_run(observed.usable, part.shape[1]), part, 0.0), max_lag)
+        name: _correlation_length(np.where(residual.mask_of(part, observed.usable), part, 0.0), max_lag)
         for name, part in residual.rescaled.items()
     }
 
@@ -224,7 +244,7 @@ def gap_errors(
         # measured coherence: the square over that has an F distribution.
         f_variance = 1 + 2 / max(observed.averages - 3, RESIDUAL.min_freedom)
         square_variance = f_variance if np.iscomplexobj(part) else 2.0
-        run_mask = _by_run(mask, part.shape[1])
+        run_mask = residual.mask_of(part, mask)
         count = max(int(run_mask.sum()), 1)
         channels = _dependent_channels(np.where(run_mask, residual.rescaled[name], 0.0))
         errors[name] = float(np.sqrt(square_variance * length * channels / count))

@@ -33,6 +33,15 @@ class RandomErrorSettings(Settings):
         doc="averages up to which coherence says nothing of the random error",
         derived="the variance of H1 has n - 2 in its denominator (Goodman 1963)",
     )
+    window_reach: int = setting(
+        3,
+        unit="lines",
+        doc="lines beside the end of a source's band to which a window carries what lies beyond",
+        derived="main lobe of a Hann window, and one line for an end that is not sharp",
+    )
+    line_tolerance: float = setting(
+        0.01, unit="lines", doc="rounding of the frequency of a line", derived="far below one line"
+    )
     window_samples: int = setting(
         256,
         unit="samples",
@@ -103,6 +112,44 @@ class LineCorrelationSettings(Settings):
     )
 
 
+@dataclass(frozen=True)
+class FreeLevelSettings(Settings):
+    """Fits of levels that no log book declares."""
+
+    max_functions: int = setting(
+        8,
+        unit="functions",
+        doc="B-splines of the spectrum of an unknown source",
+        derived="wide beside a resonance, as amplifiers and noise generators are smooth",
+    )
+    min_functions: int = setting(
+        4, unit="functions", doc="least number of cubic B-splines", derived="degree 3"
+    )
+    lines_per_function: int = setting(
+        12, unit="lines", doc="measured lines for each function, at least", derived="few data are taken up"
+    )
+    initial_quantile: float = setting(
+        0.1, doc="share of the lines below the first guess of a noise", derived="only the cost depends on it"
+    )
+    least_noise: float = setting(
+        1e-14, doc="least noise over the spectrum of a channel", derived="rounding of a coherence"
+    )
+    least_curvature: float = setting(
+        1e-6, doc="least curvature by the noise of the force", derived="keeps its step finite"
+    )
+    max_step: float = setting(3.0, doc="largest step of a logarithm", derived="only the cost depends on it")
+    least_share: float = setting(
+        1e-3, doc="least share of a step that is tried", derived="only the cost depends on it"
+    )
+    max_iterations: int = setting(
+        60, unit="iterations", doc="largest number of steps", derived="10 are enough mostly"
+    )
+    tolerance: float = setting(
+        1e-13, doc="relative gain of a step that ends a fit", derived="smooth for differences of 1e-4"
+    )
+
+
 RANDOM_ERROR = RandomErrorSettings()
+FREE_LEVELS = FreeLevelSettings()
 RESIDUAL = ResidualSettings()
 LINE_CORRELATION = LineCorrelationSettings()

@@ -3,16 +3,17 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from modallab.core.arrays import BoolArray
+from modallab.core.dof import Dof
 from modallab.core.place import Channels
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.residual import Residual, correlation_lengths, gap_error, gap_errors
 from modallab.diagnosis.searching.settings import ACCEPTANCE
-from modallab.rig.effect import Effect
+from modallab.rig.effect import Effect, Stage
 
 
 def is_noise_only(
@@ -42,7 +43,7 @@ def largest_gap_by_chance(error: float) -> float:
     under leakage, its upper tail is longer than that of a normal distribution.
     """
     freedom = 2 / error**2
-    return float(chi2.isf(ACCEPTANCE.gap_probability, freedom) / freedom)
+    return float(chdtri(freedom, ACCEPTANCE.gap_probability) / freedom)
 
 
 def ranked_by_bic(fits: Sequence[Fit]) -> list[Fit]:
@@ -141,9 +142,11 @@ def is_nonzero(effect: Effect, errors: Mapping[str, float]) -> bool:
 
 def _untested_channels(observed: Observed, effect: Effect) -> BoolArray | None:
     """Return the channels (n_out,) that an effect acts on; None unless it leaves all held-out ones alone."""
-    if not isinstance(effect.at, Channels):
+    of_force = effect.stage is Stage.CHANNEL and isinstance(effect.at, Dof)
+    if not of_force and not isinstance(effect.at, Channels):
         return None
-    channels = np.array([effect.acts_on(dof) for dof in observed.outputs])
+    acted_on = [channel.drive if of_force else channel.response for channel in observed.channels]
+    channels = np.array([effect.acts_on(dof) for dof in acted_on])
     held_out = observed.held_out
     return channels if held_out.any() and not (channels & held_out).any() else None
 

@@ -131,8 +131,11 @@ class _WhitenedFrfs:
         common = np.zeros_like(error) if observed.shared_noise is None else observed.shared_noise[mask]
         remainder = np.sqrt(1 - common)
         self._error, self._shared = error * remainder, np.sqrt(common) / remainder
-        # Noise that the channels of a line share is counted once, see `Residual.vector`.
-        self._count = mask.sum(axis=1)[mask.any(axis=1)]
+        # Noise that the channels of a run share in a line is counted once, see `Residual.vector`.
+        line_and_run = (
+            np.nonzero(mask)[0] * (observed.runs[-1] + 1) + np.broadcast_to(observed.runs, mask.shape)[mask]
+        )
+        self._count = np.unique(line_and_run, return_counts=True)[1]
         self._start = np.concatenate([[0], np.cumsum(self._count)[:-1]]).astype(int)
         size = np.add.reduceat(self._shared**2, self._start) if len(error) else np.zeros(0)
         self._reduction = (1 - 1 / np.sqrt(1 + size)) / np.maximum(size, SAFE_DIVISOR)
@@ -156,14 +159,13 @@ class _TestReceptances:
     """The runs of one test, with the transducers but without the effect."""
 
     def __init__(self, predictor: SingleTestPredictor, accepted: Sequence[Effect]) -> None:
-        analyser = predictor.setup.analyser
-        freq = analyser.freq[:: predictor.step]
+        analyser = predictor.setup.baseband.analyser
+        freq = analyser.freq[predictor.coarse_lines]
         self._runs = predictor.chain(accepted).runs
         self.omega = 2 * np.pi * np.maximum(freq, CHAIN.dc_line_fraction * analyser.spacing)
         self._attached = AttachedStiffness(self._runs[0], self.omega)
         self._maps = [_receptance_map(runs, self.omega) for runs in _solution_groups(self._runs)]
-        first = [run.system.selection(run.acquisition_run.drives[:1]) for run in self._runs]
-        self._direct = self._receptances(first)[0][..., 0]
+        self._direct = self._direct_receptances()
 
     @property
     def size(self) -> int:
@@ -182,7 +184,7 @@ class _TestReceptances:
         if stiffness is None:
             return None
         columns, z = stiffness[0], stiffness[1][:, None]
-        to_b, within, from_b = self._receptances([columns] * len(self._runs))
+        to_b, within, from_b = self._receptances(columns)
         # z (n_variants, 1, n_lines, r, r) against (n_run, n_lines, ...): every size in every run.
         if z.shape[-1] == 1:  # without a call for every line
             inner, force = z * within, z * from_b
@@ -229,18 +231,21 @@ class _TestReceptances:
             to_outputs[..., 0],
         )
 
-    def _receptances(self, columns: Sequence[FloatArray]) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-        """Return alpha_oB (n_run, n_lines, n_out, r), alpha_BB and alpha_Bd (.., r, 1).
+    def _direct_receptances(self) -> ComplexArray:
+        """Return alpha_od (n_run, n_lines, n_out) from each run's drive point to its responses."""
+        drives = [run.acquisition_run.drive for run in self._runs]
+        direct = {
+            drive: self._receptances(self._runs[drives.index(drive)].system.selection((drive,)))[0][..., 0]
+            for drive in dict.fromkeys(drives)
+        }
+        return np.array([direct[drive][i] for i, drive in enumerate(drives)])
 
-        Parameters
-        ----------
-        columns
-            (n, r) of every run, the same in runs of one reach.
-        """
+    def _receptances(self, columns: FloatArray) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+        """Return alpha_oB (n_run, n_lines, n_out, r), alpha_BB and alpha_Bd (.., r, 1) of columns (n, r)."""
         alpha: list[ComplexArray] = []
         within: list[ComplexArray] = []
-        for reach in self._maps:
-            to_b, block = reach.to(columns[len(alpha)])
+        for receptance_map in self._maps:
+            to_b, block = receptance_map.to(columns)
             alpha += list(to_b)
             within += list(block)
         to_outputs = [run.channel_motions(block) for run, block in zip(self._runs, alpha, strict=True)]
@@ -252,10 +257,7 @@ def _solution_groups(runs: Sequence[Run]) -> list[Sequence[Run]]:
     """Return the runs in groups of one solution each: all together, or one by one."""
     first = runs[0]
     equal = all(
-        run.system.mass is first.system.mass
-        and run.acquisition_run.drives == first.acquisition_run.drives
-        and len(run.motions) == len(first.motions)
-        for run in runs
+        run.system.mass is first.system.mass and len(run.motions) == len(first.motions) for run in runs
     )
     return [runs] if equal else [[run] for run in runs]
 

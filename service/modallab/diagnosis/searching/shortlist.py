@@ -15,7 +15,8 @@ from modallab.diagnosis.searching.modification_screen import ModificationScreen
 from modallab.diagnosis.searching.robust_cost import RobustCost, line_minimum_fraction
 from modallab.diagnosis.searching.settings import LOSS, SHORTLIST
 from modallab.diagnosis.searching.starting_values import scan_sizes, smallest_amounts, with_amount_scaled
-from modallab.rig.effect import Effect
+from modallab.rig.effect import Effect, Stage
+from modallab.rig.frf_channel import FrfChannel
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,7 @@ def shortlist(
     unscreened: dict[str, list[list[Effect]]] = {}
     for i, suspect in enumerate(suspects):
         progress(i / len(suspects), f"places of {suspect.kind}")
-        if isinstance(suspect.at, Channels) and not any(suspect.acts_on(dof) for dof in worst):
+        if _is_of_channels(suspect) and not any(_concerns(suspect, channel) for channel in worst):
             continue
         sizes = scan_sizes(suspect, suspect.scan_values(predictor.system, predictor.setup))
         place = _screened(screen, sizes, cost, start) if isinstance(suspect.at, Dof | Members) else None
@@ -135,11 +136,22 @@ def _likely(
     return [places[i] for i in np.unique(order)]
 
 
-def _worst_channels(prediction: CoarsePrediction, accepted: Sequence[Effect]) -> set[Dof]:
-    """Return the responses of the largest gap at one of the noise inflations."""
+def _is_of_channels(suspect: Effect) -> bool:
+    """Return whether an effect is of single channels: of responses, or of the force at one drive point."""
+    of_force = suspect.stage is Stage.CHANNEL and isinstance(suspect.at, Dof)
+    return of_force or isinstance(suspect.at, Channels)
+
+
+def _concerns(suspect: Effect, channel: FrfChannel) -> bool:
+    """Return whether an effect of single channels is of an FRF's response or force."""
+    return suspect.acts_on(channel.response if isinstance(suspect.at, Channels) else channel.drive)
+
+
+def _worst_channels(prediction: CoarsePrediction, accepted: Sequence[Effect]) -> set[FrfChannel]:
+    """Return the FRFs of the largest gap at one of the noise inflations."""
     observed, predicted = prediction.observed, prediction.predict(accepted)
     scale = LOSS.cauchy_scale
-    worst: set[Dof] = set()
+    worst: set[FrfChannel] = set()
     for noise_inflation in LOSS.noise_inflations:
         inflated = residual(observed, predicted, noise_inflation=noise_inflation)
         squares = [
@@ -148,5 +160,5 @@ def _worst_channels(prediction: CoarsePrediction, accepted: Sequence[Effect]) ->
         ]
         losses = [scale * np.log1p(square / scale) * observed.fitted for square in squares]
         order = np.argsort(-np.sum(losses, axis=(0, 1)))
-        worst |= {observed.outputs[i] for i in order[: SHORTLIST.max_channels]}
+        worst |= {observed.channels[i] for i in order[: SHORTLIST.max_channels]}
     return worst

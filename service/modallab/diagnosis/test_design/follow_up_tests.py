@@ -26,7 +26,8 @@ class FollowUpOption:
 def follow_up_options(setup: RigSetup, system: DynamicSystem) -> Iterator[FollowUpOption]:
     """Yield the further tests that are considered, the cheapest first."""
     yield from _analyser_options(setup)
-    points = [d.point for d in setup.responses if d.point != setup.drive.point]
+    roving_hammer = len(setup.drives) > 1
+    points = [d.point for d in setup.responses if d.point != setup.drive.point and not roving_hammer]
     for drive in _evenly_spaced(points, FOLLOW_UP.n_drives):
         yield FollowUpOption(
             Change(drive=drive),
@@ -73,8 +74,10 @@ def _analyser_options(setup: RigSetup) -> Iterator[FollowUpOption]:
             Change(excitation="periodic_random", window="rectangular"),
             "an excitation that is periodic in the record causes no leakage and shows the true damping",
         )
+    wider = FOLLOW_UP.refinement * analyser.frequency_max
+    n_lines_to_wider = round((wider - analyser.frequency_min) / analyser.spacing) + 1
     yield FollowUpOption(
-        Change(frequency_max=FOLLOW_UP.refinement * analyser.frequency_max, n_lines=n_lines),
+        Change(frequency_max=wider, n_lines=n_lines_to_wider),
         "twice the bandwidth shows further modes, in which the explanations may differ",
     )
 

@@ -155,7 +155,7 @@ class _SimulatedTest:
 
     def __init__(self, first: SingleTestPredictor, setup: RigSetup) -> None:
         # The observation of the first test is a placeholder: the prediction of an explanation replaces it.
-        self._predictor = first.follow_up(setup, first.observed)
+        self._predictor = first.plan(setup)
         self._setup = setup
 
     def separations(
@@ -181,7 +181,8 @@ class _SimulatedTest:
     def _observation(self, explanation: Explanation) -> Observed:
         """Return the observation of the test if the explanation is true, without random error."""
         predictor = explanation.applied_to(self._predictor)
-        spectra = coarse_spectra(predictor.chain(explanation.effects), predictor.step)
+        measuring_chain = predictor.chain(explanation.effects)
+        spectra = coarse_spectra(measuring_chain, predictor.step, predictor.coarse_lines)
         return observe(measurement_of(spectra, self._setup), (), fraction=0.0)
 
     def _residual_function(self, observed: Observed, explanation: Explanation) -> ResidualFunction:

@@ -2,11 +2,10 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Annotated
 
 from modallab.core.arrays import FloatArray, frozen
 from modallab.core.dof import Dof
-from modallab.core.reply import NotInReply, Vector
+from modallab.core.reply import Vector
 from modallab.updating.direct.settings import DIRECT_UPDATING
 from modallab.updating.iteration import StopReason
 
@@ -97,7 +96,7 @@ class DirectResult:
     """By matrix: relative error of each degree of freedom (n,)."""
     connectivity_loss: Mapping[str, float]
     """By matrix: norm of the correction between unconnected DoFs over its whole norm."""
-    modes: Annotated[MeasuredModes, NotInReply("is told as frequencies, MAC and number of used modes")]
+    modes: MeasuredModes
     """Measured modes beside those of the model."""
     other_modes: OtherModes | None
     """Modes of the model without a used measured mode; None without a correction."""

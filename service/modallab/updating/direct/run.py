@@ -1,8 +1,8 @@
 """Direct updating: completion of the shapes, solution and comparison of modes."""
 
 import numpy as np
+import scipy
 from scipy.linalg import eigvalsh
-from scipy.optimize import linear_sum_assignment
 
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.errors import InvalidInputError, bounds
@@ -201,7 +201,7 @@ def _other_modes(
 
 def _assignment(overlap: FloatArray) -> IntArray:
     """Return the column of each row with the largest total overlap, each used once as far as possible."""
-    rows, columns = linear_sum_assignment(overlap, maximize=True)
+    rows, columns = scipy.optimize.linear_sum_assignment(overlap, maximize=True)
     columns_of_rows = overlap.argmax(axis=1)
     columns_of_rows[rows] = columns
     return np.asarray(columns_of_rows)

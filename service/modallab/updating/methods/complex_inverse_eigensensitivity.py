@@ -3,7 +3,7 @@
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, silent
 from modallab.fe.structure import Structure
-from modallab.updating.method import MASS_STIFFNESS_AND_DAMPING, UPDATERS, ModalUpdatingMethod, UpdateResult
+from modallab.updating.method import MASS_STIFFNESS_AND_DAMPING, UPDATERS, UpdateResult, UpdatingMethod
 from modallab.updating.options import ComplexTwoStageOptions
 from modallab.updating.parameterisation import Parameterisation
 from modallab.updating.target import complex_modes
@@ -48,7 +48,5 @@ def complex_inverse_eigensensitivity(
 
 
 UPDATERS.register("complex_inverse_eigensensitivity")(
-    ModalUpdatingMethod(
-        complex_inverse_eigensensitivity, ComplexTwoStageOptions, parts=MASS_STIFFNESS_AND_DAMPING
-    )
+    UpdatingMethod(complex_inverse_eigensensitivity, ComplexTwoStageOptions, parts=MASS_STIFFNESS_AND_DAMPING)
 )

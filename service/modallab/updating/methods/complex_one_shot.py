@@ -3,7 +3,7 @@
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, silent
 from modallab.fe.structure import Structure
-from modallab.updating.method import MASS_STIFFNESS_AND_DAMPING, UPDATERS, ModalUpdatingMethod, UpdateResult
+from modallab.updating.method import MASS_STIFFNESS_AND_DAMPING, UPDATERS, UpdateResult, UpdatingMethod
 from modallab.updating.one_stage import update_in_one_stage
 from modallab.updating.options import OneStageOptions
 from modallab.updating.parameterisation import Parameterisation
@@ -45,5 +45,5 @@ def complex_one_shot(
 
 
 UPDATERS.register("complex_one_shot")(
-    ModalUpdatingMethod(complex_one_shot, OneStageOptions, parts=MASS_STIFFNESS_AND_DAMPING)
+    UpdatingMethod(complex_one_shot, OneStageOptions, parts=MASS_STIFFNESS_AND_DAMPING)
 )

@@ -3,7 +3,7 @@
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, silent
 from modallab.fe.structure import Structure
-from modallab.updating.method import UPDATERS, ModalUpdatingMethod, UpdateResult
+from modallab.updating.method import UPDATERS, UpdateResult, UpdatingMethod
 from modallab.updating.options import TwoStageOptions
 from modallab.updating.parameterisation import Parameterisation
 from modallab.updating.target import real_modes
@@ -43,4 +43,4 @@ def inverse_eigensensitivity(
     return update_in_two_stages(structure, parameterisation, real_modes(target), options, progress)
 
 
-UPDATERS.register("inverse_eigensensitivity")(ModalUpdatingMethod(inverse_eigensensitivity, TwoStageOptions))
+UPDATERS.register("inverse_eigensensitivity")(UpdatingMethod(inverse_eigensensitivity, TwoStageOptions))

@@ -3,7 +3,7 @@
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, silent
 from modallab.fe.structure import Structure
-from modallab.updating.method import UPDATERS, ModalUpdatingMethod, UpdateResult
+from modallab.updating.method import UPDATERS, UpdateResult, UpdatingMethod
 from modallab.updating.one_stage import update_in_one_stage
 from modallab.updating.options import OneStageOptions
 from modallab.updating.parameterisation import Parameterisation
@@ -45,4 +45,4 @@ def one_shot(
     return update_in_one_stage(structure, parameterisation, real_modes(target), options, progress)
 
 
-UPDATERS.register("one_shot")(ModalUpdatingMethod(one_shot, OneStageOptions))
+UPDATERS.register("one_shot")(UpdatingMethod(one_shot, OneStageOptions))

@@ -1,18 +1,17 @@
 """Agreement of a model's frequency responses with the measured ones."""
 
 from dataclasses import dataclass
-from typing import Annotated
 
 from modallab.core.arrays import FloatArray, frozen
 from modallab.core.dof import Dof
-from modallab.core.reply import Matrix, NotInReply
+from modallab.core.reply import Matrix
 
 
 @dataclass(frozen=True, eq=False)
 class ResponseFit:
     """Mean squares of ln(H_measured / H_model) over its random error: 1 for random errors alone."""
 
-    freq: Annotated[FloatArray, NotInReply("are lines of the measurement within `band`")]
+    freq: FloatArray
     """Hz, fitted lines (n_lines,)."""
     outputs: tuple[Dof, ...]
     """Measured DoFs."""

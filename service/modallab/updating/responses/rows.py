@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.estimation.force_noise import decorrelated
@@ -116,9 +116,9 @@ def model_error_share(model: ResponseModel, values: FloatArray) -> float:
     low, high = (float(np.log(end)) for end in RESPONSE_PATH.model_error_range)
     if excess(low) <= 0:
         return 0.0
-    return (
-        RESPONSE_PATH.model_error_range[1] if excess(high) >= 0 else float(np.exp(brentq(excess, low, high)))
-    )
+    if excess(high) >= 0:
+        return RESPONSE_PATH.model_error_range[1]
+    return float(np.exp(scipy.optimize.brentq(excess, low, high)))
 
 
 def reconstruction_rows(model: ResponseModel, values: FloatArray, model_error: float) -> Rows:

@@ -6,6 +6,7 @@ from modallab.core.place import Channels
 from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.predicting.held_out import select_held_out
+from modallab.diagnosis.residuals.frf_selection import FrfSelection
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.gain_error import GainError
 from modallab.effects.mains_hum import MainsHum
@@ -23,7 +24,7 @@ def test_a_channel_that_disagrees_alone_is_left_to_the_fit(fault: Effect) -> Non
     for seed in SEEDS:
         held, _ = select_held_out(model(), test, 0.34, (), seed)
         assert len(held) == 2
-        assert FAULTY not in held
+        assert FrfSelection(FAULTY) not in held
 
 
 def test_a_fault_of_one_channel_is_found_whatever_the_draw() -> None:
@@ -38,7 +39,9 @@ def test_a_fault_that_tolerated_errors_drown_is_left_to_the_fit_all_the_same() -
     # A modulus one standard deviation off moves every resonance by 0.15 %: far more than 4 % of one gain.
     hidden = [StiffnessError(None, 1.003), GainError(Channels((FAULTY,)), 1.04)]
     test, allowed = draw_measurement(rig(), hidden), Tolerances(modulus=0.003, sensitivity=0.005)
-    drawing = [seed for seed in SEEDS if FAULTY in select_held_out(model(), test, 0.34, (), seed)[0]][:2]
+    drawing = [
+        seed for seed in SEEDS if FrfSelection(FAULTY) in select_held_out(model(), test, 0.34, (), seed)[0]
+    ][:2]
     assert drawing, "it does not stand out at first"
     for seed in drawing:
         found = diagnose(
@@ -63,7 +66,7 @@ def test_what_is_wrong_with_the_structure_leaves_the_draw_as_it_is() -> None:
 def test_what_is_named_is_held_out_even_if_it_disagrees() -> None:
     test = draw_measurement(rig(), [GainError(Channels((FAULTY,)), 1.5)])
     held, unmeasured = select_held_out(model(), test, 0.34, (FAULTY, Dof(3, "Y")), 0)
-    assert FAULTY in held
+    assert FrfSelection(FAULTY) in held
     assert unmeasured == (Dof(3, "Y"),)
 
 

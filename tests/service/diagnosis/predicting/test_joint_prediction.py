@@ -13,6 +13,7 @@ from modallab.diagnosis.predicting.follow_up import FollowUp
 from modallab.diagnosis.predicting.joint_prediction import JointPredictor
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
+from modallab.diagnosis.residuals.frf_selection import FrfSelection
 from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.residuals.predicted import SimulatedDeviations
 from modallab.effects.extra_mass import ExtraMass
@@ -30,7 +31,7 @@ MOVED = Change(drive=Dof(5, "Y"))
 
 def together(*tests: Measurement, held: Sequence[Dof] = ()) -> JointPredictor:
     """Return the predictor of a first test and further ones."""
-    seen = [observe(test, held, fraction=0.0) for test in tests]
+    seen = [observe(test, [FrfSelection(dof) for dof in held], fraction=0.0) for test in tests]
     first = SingleTestPredictor.of(model(), tests[0].setup, seen[0])
     rest = [first.follow_up(test.setup, one) for test, one in zip(tests[1:], seen[1:], strict=True)]
     return JointPredictor.of([first, *rest])

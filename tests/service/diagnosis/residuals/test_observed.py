@@ -6,7 +6,9 @@ import pytest
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind
 from modallab.diagnosis.predicting.comparability import check_comparable
+from modallab.diagnosis.residuals.frf_selection import FrfSelection
 from modallab.diagnosis.residuals.observed import observe
+from modallab.rig.measure import Route, measure
 from tests.diagnosing import draw_measurement, exact, model, predicting, rig
 
 
@@ -36,10 +38,22 @@ def test_every_estimator_gives_the_same_h1(estimator: str) -> None:
     np.testing.assert_allclose(other.h, h1.h, rtol=1e-9)
 
 
-def test_a_measurement_without_coherence_is_refused_by_name() -> None:
+def test_few_lines_without_coherence_are_refused_by_name() -> None:
+    short = exact(rig()).by_line(lambda array: array[:40])
     with pytest.raises(InvalidInputError) as refused:
-        observe(replace(exact(rig()), coherence=None), (), fraction=0.0)
+        observe(replace(short, coherence=None), (), fraction=0.0)
     assert refused.value.context["field"] == "coherence"
+
+
+def test_without_coherence_the_scatter_of_lines_tells_the_random_error() -> None:
+    noisy = replace(rig(noise=1e-2), analyser=replace(rig().analyser, n_lines=801))
+    test = measure(model(), noisy, route=Route.DRAWN, rng=np.random.default_rng(5))
+    known = observe(test, (), fraction=0.0)
+    unknown = observe(replace(test, coherence=None), (), fraction=0.0)
+    ratio = np.median(unknown.error[1:], axis=0) / np.median(known.error[1:], axis=0)
+    # errors of one line differ by the coherence there; a floor is at the median line what it is on average
+    assert (ratio > 0.5).all()
+    assert (ratio < 2.0).all()
 
 
 def test_two_averages_leave_no_random_error_to_weigh_by() -> None:
@@ -58,13 +72,13 @@ def test_a_measurement_without_a_coherent_line_is_refused_by_name() -> None:
 def test_something_must_be_left_to_fit() -> None:
     measurement = exact(rig())
     with pytest.raises(InvalidInputError) as refused:
-        observe(measurement, measurement.frf.outputs, fraction=0.25)
+        observe(measurement, list(map(FrfSelection, measurement.frf.outputs)), fraction=0.25)
     assert refused.value.context["field"] == "hold_out"
 
 
 def test_what_is_held_out_is_not_fitted() -> None:
     measurement = draw_measurement(rig())
-    held = measurement.frf.outputs[2:4]
+    held = [FrfSelection(dof) for dof in measurement.frf.outputs[2:4]]
     observed = observe(measurement, held, fraction=0.25)
     assert not observed.fitted[:, 2:4].any()
     assert observed.held_out_mask[:, 2:4].any()

@@ -9,6 +9,7 @@ from modallab.core.errors import InvalidInputError
 from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.predicting.limitations import limitations
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
+from modallab.diagnosis.residuals.channel_spectra import ChannelSpectra
 from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.residuals.random_error import shared_noise
 from modallab.diagnosis.residuals.residual import gap_errors
@@ -113,7 +114,7 @@ def test_the_share_of_the_force_is_a_number_with_any_noise_or_none(noise: float,
     window = "hann" if kind == "random" else "rectangular"
     setup = rig(roving=False, noise=noise, kind=kind, window=window)
     test = measure(model(), setup, [], route=Route.SAMPLED, rng=np.random.default_rng(0))
-    share = shared_noise(test)
+    share = shared_noise(ChannelSpectra.of(test))
     if noise == 0 and kind == "periodic_random":
         assert share is None
     elif noise == 1e-4:
@@ -131,7 +132,9 @@ def test_a_line_that_came_out_large_by_chance_weighs_no_more() -> None:
     )  # neither all noise nor next to none
     louder = test.coherence.copy()
     louder[line] = 1 - 1.3 * (1 - louder[line])  # three random errors of 100 averages
-    plain, loud = (shared_noise(replace(test, coherence=own)) for own in (test.coherence, louder))
+    plain, loud = (
+        shared_noise(ChannelSpectra.of(replace(test, coherence=own))) for own in (test.coherence, louder)
+    )
     assert plain is not None
     assert loud is not None
     # both noises are estimated from all 160 lines, of which one is 30 % louder

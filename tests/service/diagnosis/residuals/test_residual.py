@@ -66,7 +66,7 @@ def _hammered(setup: RigSetup) -> RigSetup:
 def test_forces_that_come_back_are_judged_by_their_noise_alone(setup: RigSetup, estimate: float) -> None:
     gaps: dict[str, list[float]] = {}
     weighed, gaussian = [], []
-    n = setup.analyser.averages
+    n = setup.analyser.simulated_averages
     for seed in range(6):
         measurement = measure(model(), setup, route=Route.SAMPLED, rng=np.random.default_rng(seed))
         predictor, observed = predicting(measurement)

@@ -12,6 +12,7 @@ from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.fitting.covariance import ParameterErrors
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
+from modallab.diagnosis.residuals.frf_selection import FrfSelection
 from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.result import Verdict
 from modallab.diagnosis.searching.acceptance import (
@@ -56,7 +57,7 @@ def test_what_the_held_out_frfs_could_not_tell_is_borne_out_by_lines_that_were_h
     def convinced(*acting: TransverseSensitivity) -> bool:
         rng = np.random.default_rng(3)
         test = measure(where.structure, where.setup, acting, route=Route.DRAWN, rng=rng)
-        observed = observe(test, held_out, fraction=0.0)
+        observed = observe(test, [FrfSelection(dof) for dof in held_out], fraction=0.0)
         predictor = SingleTestPredictor.of(where.structure, where.setup, observed)
         return is_significant(predictor, fit(predictor, ()), fit(predictor, (everywhere,)))
 
@@ -70,7 +71,7 @@ def test_hum_in_one_line_of_one_channel_needs_no_witness() -> None:
 
     def convinced(*acting: MainsHum) -> bool:
         test = draw_measurement(rig(), acting, seed=4)
-        observed = observe(test, (Dof(2, "Y"),), fraction=0.0)
+        observed = observe(test, [FrfSelection(Dof(2, "Y"))], fraction=0.0)
         predictor = SingleTestPredictor.of(model(), test.setup, observed)
         return is_significant(predictor, fit(predictor, ()), fit(predictor, (hum,)))
 

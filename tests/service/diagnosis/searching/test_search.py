@@ -9,6 +9,7 @@ from modallab.core.progress import silent
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
+from modallab.diagnosis.residuals.frf_selection import FrfSelection
 from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.searching.search import search, significant_fits
 from modallab.diagnosis.searching.search_path import kind_and_place
@@ -24,7 +25,9 @@ MASS, TURNED = ExtraMass(Dof(4, "Y"), 0.02), Polarity(Channels((Dof(5, "Y"),)))
 @pytest.fixture(scope="module")
 def predictor() -> Predictor:
     test = draw_measurement(rig(), [MASS], seed=3)
-    return SingleTestPredictor.of(model(), test.setup, observe(test, (Dof(7, "Y"),), fraction=0.25))
+    return SingleTestPredictor.of(
+        model(), test.setup, observe(test, [FrfSelection(Dof(7, "Y"))], fraction=0.25)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +70,9 @@ def test_noise_beside_something_larger_is_no_leakage() -> None:
     # A little more noise than declared goes together over all lines, as leakage does.
     hidden = (MASS, ResponseNoise(ratio=1.5e-3))
     test = draw_measurement(rig(kind="random", window="hann", noise=1e-2), hidden, seed=5)
-    predictor = SingleTestPredictor.of(model(), test.setup, observe(test, (Dof(7, "Y"),), fraction=0.25))
+    predictor = SingleTestPredictor.of(
+        model(), test.setup, observe(test, [FrfSelection(Dof(7, "Y"))], fraction=0.25)
+    )
     suspects = Suspects([ExtraMass(MASS.at), ResponseNoise()])
     path = search(predictor, fit(predictor, ()), suspects, max_effects=3, progress=silent)
     assert {step.kind_and_place for step in path.steps} == {kind_and_place(one) for one in hidden}

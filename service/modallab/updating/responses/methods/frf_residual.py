@@ -2,10 +2,10 @@
 
 from modallab.core.progress import Progress, silent
 from modallab.fe.structure import Structure
-from modallab.updating.method import UpdateResult
+from modallab.updating.method import MASS_STIFFNESS_AND_DAMPING, UpdateResult, UpdatingMethod
 from modallab.updating.options import ResponseUpdateOptions
 from modallab.updating.parameterisation import Parameterisation
-from modallab.updating.responses.method import RESPONSE_UPDATERS, ResponseUpdatingMethod
+from modallab.updating.responses.method import RESPONSE_UPDATERS
 from modallab.updating.responses.run import update_on_responses
 from modallab.updating.responses.target import TargetResponses
 
@@ -45,4 +45,6 @@ def frf_residual(
     return update_on_responses(structure, parameterisation, target, options, progress)
 
 
-RESPONSE_UPDATERS.register("frf_residual")(ResponseUpdatingMethod(frf_residual))
+RESPONSE_UPDATERS.register("frf_residual")(
+    UpdatingMethod(frf_residual, ResponseUpdateOptions, parts=MASS_STIFFNESS_AND_DAMPING)
+)

@@ -1,0 +1,244 @@
+"""Levels that no log book declares: fitted to the measured spectra in every prediction.
+
+Spectrum of the source and noise of the channels are nuisance parameters of the force spectra and of the
+incoherent response spectra. They are eliminated by variable projection (Golub and Pereyra, Inverse
+Problems 19 (2003), R1-R26): each prediction has the levels that fit best beside it.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.interpolate import BSpline
+
+from modallab.core.arrays import BoolArray, FloatArray, IntArray
+from modallab.core.numerics import COHERENCE_ROUNDING, SAFE_DIVISOR
+from modallab.diagnosis.residuals.settings import FREE_LEVELS
+from modallab.diagnosis.residuals.white_noise import NoiseData, WhiteNoise, fit_white_noise
+from modallab.estimation.settings import FORCE_NOISE
+from modallab.estimation.spectra import CrossSpectra
+from modallab.rig.chain import Chain
+from modallab.rig.expected import expected_spectra
+from modallab.rig.hardware import Noise, NoiseDensity
+from modallab.rig.setup import RigSetup
+
+if TYPE_CHECKING:
+    from modallab.diagnosis.residuals.observed import Observed
+
+
+@dataclass(frozen=True)
+class FreeLevels:
+    """Levels of a test that its log book leaves open."""
+
+    source: bool = False
+    """Level of the source."""
+    shape: bool = False
+    """Shape of its spectrum, a smooth curve."""
+    force_noise: bool = False
+    """White noise of the force channels, one level."""
+    response_noise: bool = False
+    """White noise of the response channels, a level each."""
+
+    @classmethod
+    def of(cls, setup: RigSetup) -> "FreeLevels":
+        """Return the levels that a log book leaves open."""
+        excitation, noise = setup.analyser.excitation, setup.noise
+        free_shape = excitation.shape == "unknown"
+        return cls(
+            excitation.level is None or free_shape, free_shape, noise.force is None, noise.response is None
+        )
+
+    @property
+    def noise(self) -> bool:
+        """Whether noise of either side is open."""
+        return self.force_noise or self.response_noise
+
+    def fitted(
+        self, spectra: CrossSpectra, observed: "Observed", lines: IntArray | None = None
+    ) -> CrossSpectra:
+        """Return expected spectra with the levels that fit the measured ones best.
+
+        Parameters
+        ----------
+        spectra
+            Of one force a run, for the levels of the log book; of what is open, none.
+        lines
+            (n,) indices of the measured lines among those of the spectra; None: all.
+        """
+        if not (self.source or self.noise) or spectra.ff.shape[2] != 1:
+            return spectra
+        if self.source:
+            spectra = self._with_source(spectra, observed, lines)
+        levels = self.fitted_noise(spectra, observed, lines)
+        return spectra if levels is None else _with_noise(spectra, levels)
+
+    def _with_source(
+        self, spectra: CrossSpectra, observed: "Observed", lines: IntArray | None
+    ) -> CrossSpectra:
+        """Return the spectra with the power of each run's source, as a smooth factor on what is expected."""
+        if observed.force is None:
+            return spectra
+        at_lines = spectra if lines is None else spectra.at(lines)
+        basis = self._basis(observed.freq, observed.freq)
+        expected = at_lines.ff[:, :, 0, 0].real.T
+        mask = _lines_of_runs(observed, expected.shape[1])
+        variance = np.broadcast_to(observed.force_variance, expected.shape)
+        power = np.ones((len(spectra.ff), len(spectra.freq)))
+        everywhere = self._basis(spectra.freq, observed.freq)
+        for run in range(len(power)):
+            used = mask[:, run]
+            if not used.any():
+                continue
+            weight = 1 / np.sqrt(variance[used, run])
+            ratio = np.log(observed.force[used, run] / expected[used, run])
+            curve = np.linalg.lstsq(weight[:, None] * basis[used], weight * ratio, rcond=None)[0]
+            power[run] = np.exp(everywhere @ curve)
+        return replace(
+            spectra,
+            ff=spectra.ff * power[:, :, None, None],
+            fx=spectra.fx * power[:, :, None, None],
+            xx=spectra.xx * power[:, :, None],
+        )
+
+    def _basis(self, freq: FloatArray, measured: FloatArray) -> FloatArray:
+        """Return the functions (n_freq, n) whose sum is the logarithm of the source's power.
+
+        Cubic B-splines over the measured lines, constant beyond; one constant if the shape is declared.
+        """
+        n = min(FREE_LEVELS.max_functions, len(measured) // FREE_LEVELS.lines_per_function)
+        if not self.shape or n < FREE_LEVELS.min_functions:
+            return np.ones((len(freq), 1))
+        low, high = float(measured[measured > 0][0]), float(measured[-1])
+        inner = np.linspace(low, high, n - 2)
+        knots = np.concatenate([[low] * 3, inner, [high] * 3])
+        return np.asarray(BSpline.design_matrix(np.clip(freq, low, high), knots, 3).toarray())
+
+    def fitted_noise(
+        self, spectra: CrossSpectra, observed: "Observed", lines: IntArray | None = None
+    ) -> WhiteNoise | None:
+        """Return the noise that fits the measured incoherent spectra best; None if none is open or told.
+
+        Parameters
+        ----------
+        spectra, lines
+            As in `fitted`, with the level of the source.
+        """
+        if not self.noise:
+            return None
+        if lines is not None:
+            spectra = spectra.at(lines)
+        n_run, _, n_out = spectra.xx.shape
+        force = np.repeat(spectra.ff[:, :, 0, 0].real.T, n_out, axis=1)
+        cross, power = (
+            part.swapaxes(0, 1).reshape(len(spectra.freq), -1) for part in (spectra.fx[:, :, 0], spectra.xx)
+        )
+        coherent = np.abs(cross) ** 2 / force
+        measured, variance = _incoherent(observed, force)
+        if measured is None or variance is None:
+            return None
+        return fit_white_noise(
+            NoiseData(
+                measured=measured,
+                weight=(observed.usable & ~observed.held_out_lines[:, None]) / variance,
+                fitted=observed.fitted,
+                other=np.maximum(power - coherent, COHERENCE_ROUNDING * power),
+                coherent=coherent,
+                force=force,
+                n_run=n_run,
+            ),
+            force_noise=self.force_noise,
+            response_noise=self.response_noise,
+        )
+
+
+ALL_DECLARED = FreeLevels()
+
+
+def _lines_of_runs(observed: "Observed", n_run: int) -> BoolArray:
+    """Return the lines (n_freq, n_run) that a run's source is fitted at."""
+    usable = observed.usable & ~observed.held_out_lines[:, None]
+    return np.asarray(usable.reshape(len(usable), n_run, -1).any(axis=2))
+
+
+def _incoherent(observed: "Observed", force: FloatArray) -> tuple[FloatArray | None, FloatArray | None]:
+    """Return incoherent response spectra (n_freq, n_out) and the variance of their logarithms.
+
+    Without response spectra those that follow from coherence and FRFs at the expected force.
+    """
+    if observed.incoherent is not None:
+        return observed.incoherent, observed.incoherent_variance
+    g2 = observed.coherence
+    if not (g2[observed.usable] < 1 - COHERENCE_ROUNDING).any() or not np.isfinite(observed.averages):
+        return None, None
+    ratio = (1 - g2) / np.maximum(g2, FORCE_NOISE.min_coherence) + COHERENCE_ROUNDING
+    return force * np.abs(observed.h) ** 2 * ratio, np.full(g2.shape, 1 / max(observed.averages - 1, 1.0))
+
+
+def _with_noise(spectra: CrossSpectra, noise: WhiteNoise) -> CrossSpectra:
+    n_run, _, n_out = spectra.xx.shape
+    ff = spectra.ff + noise.force
+    return replace(spectra, ff=ff, xx=spectra.xx + noise.response.reshape(n_run, 1, n_out))
+
+
+def at_level_of(expected: CrossSpectra, fitted: CrossSpectra) -> CrossSpectra:
+    """Return fitted spectra over the power of their source, with the fitted noise to the same scale.
+
+    Shares of signal and noise are then those of the fit, beside signals of the level of `expected`.
+
+    Parameters
+    ----------
+    expected, fitted
+        Spectra before and after `FreeLevels.fitted`, of one force a run.
+    """
+    if fitted is expected:
+        return expected
+    # Noise adds to auto spectra alone: the cross spectra tell the power.
+    size, unit = (np.abs(spectra.fx[:, :, 0]).sum(axis=2) for spectra in (fitted, expected))
+    power = np.where((size > 0) & (unit > 0), size, 1.0) / np.where((size > 0) & (unit > 0), unit, 1.0)
+    return replace(
+        fitted,
+        ff=fitted.ff / power[:, :, None, None],
+        fx=fitted.fx / power[:, :, None, None],
+        xx=fitted.xx / power[:, :, None],
+    )
+
+
+def with_measured_level(setup: RigSetup, observed: "Observed") -> RigSetup:
+    """Return a log book with the level that the measured force spectrum shows, where none is declared.
+
+    Its median over lines and runs: drop-outs at resonances take part in few lines.
+    """
+    analyser = setup.analyser
+    if analyser.excitation.level is not None or observed.force is None:
+        return setup
+    lines = observed.usable.any(axis=1)
+    unit = analyser.source_density(observed.freq[lines])
+    ratio = observed.force[lines] / (unit[:, None] + SAFE_DIVISOR)
+    excitation = replace(analyser.excitation, level=float(analyser.source_level * np.sqrt(np.median(ratio))))
+    return replace(setup, analyser=replace(analyser, excitation=excitation))
+
+
+def with_levels_declared(
+    setup: RigSetup, observed: "Observed", measuring_chain: Callable[[], Chain], lines: IntArray
+) -> "tuple[RigSetup, Observed]":
+    """Return log book and measurement of a test to be made, with the fitted noise in place of what is open.
+
+    Parameters
+    ----------
+    measuring_chain
+        Returns that of the measured test.
+    lines
+        (n,) indices of its measured lines.
+    """
+    levels = observed.free_levels
+    expected = expected_spectra(measuring_chain()) if levels.noise else None
+    if expected is not None and (noise := levels.fitted_noise(expected, observed, lines)) is not None:
+        force, response = setup.noise.force, setup.noise.response
+        # A further test may have other responses: they have the mean of those measured.
+        fitted = NoiseDensity(noise.force), NoiseDensity(float(noise.response.mean()))
+        setup = replace(
+            setup,
+            noise=Noise(fitted[0] if force is None else force, fitted[1] if response is None else response),
+        )
+    return setup, replace(observed, free_levels=ALL_DECLARED)

@@ -1,0 +1,130 @@
+"""Tests of levels that no log book declares: noise, and the source's spectrum."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from modallab.core.dof import Dof
+from modallab.diagnosis.diagnose import diagnose, suspected
+from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
+from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.residuals.residual import residual
+from modallab.diagnosis.result import Verdict
+from modallab.effects.exciter_armature import ExciterArmature
+from modallab.effects.extra_mass import ExtraMass
+from modallab.rig.analyser import ExcitationSetting
+from modallab.rig.effect import Effect
+from modallab.rig.expected import expected_spectra
+from modallab.rig.hardware import Noise, NoiseDensity
+from modallab.rig.measure import Route, measure
+from modallab.rig.measurement import Measurement
+from modallab.rig.setup import RigSetup
+from tests.diagnosing import model, rig
+
+FORCE, RESPONSE = 3e-6, 2e-5  # N^2/Hz, (m/s^2)^2/Hz; 0.1 % of the force of 5 N
+UNKNOWN = Noise(None, None)
+
+
+def declared(kind: str = "periodic_random", window: str = "rectangular", *, roving: bool = True) -> RigSetup:
+    setup = rig(kind=kind, window=window, roving=roving)
+    source = ExcitationSetting(kind, level=5.0)
+    noise = Noise(NoiseDensity(FORCE), NoiseDensity(RESPONSE))
+    return replace(setup, noise=noise, analyser=replace(setup.analyser, excitation=source))
+
+
+def undeclared(test: Measurement, *, source: bool = True) -> Measurement:
+    setup = replace(test.setup, noise=UNKNOWN)
+    if source:
+        unknown = replace(setup.analyser.excitation, level=None, shape="unknown")
+        setup = replace(setup, analyser=replace(setup.analyser, excitation=unknown))
+    return replace(test, setup=setup)
+
+
+def measured(setup: RigSetup, hidden: tuple[Effect, ...] = (), seed: int = 1) -> Measurement:
+    return measure(model(), setup, hidden, route=Route.DRAWN, rng=np.random.default_rng(seed))
+
+
+def predictor_of(test: Measurement) -> SingleTestPredictor:
+    return SingleTestPredictor.of(model(), test.setup, observe(test, (), fraction=0.25))
+
+
+@pytest.mark.parametrize("roving", [True, False])
+def test_fitted_noise_is_that_of_the_channels(roving: bool) -> None:
+    predictor = predictor_of(undeclared(measured(declared(roving=roving)), source=False))
+    observed, expected = predictor.observed, expected_spectra(predictor.chain(()))
+    noise = observed.free_levels.fitted_noise(expected, observed)
+    assert noise is not None
+    # 160 lines of 100 averages: 1 % of a response's level; the force's shows in few of them
+    assert noise.force == pytest.approx(FORCE, rel=0.2)
+    np.testing.assert_allclose(noise.response, RESPONSE, rtol=0.2)
+
+
+@pytest.mark.parametrize(("kind", "window"), [("periodic_random", "rectangular"), ("random", "hann")])
+def test_an_exact_model_is_explained_whatever_the_levels(kind: str, window: str) -> None:
+    predictor = predictor_of(undeclared(measured(declared(kind, window))))
+    gaps = predictor.residual(()).gaps(predictor.observed.usable)
+    # 6 x 160 lines: 5 % of real squares; 8 splines a run take up 5 % of the force
+    assert all(0.75 < gap < 1.2 for gap in gaps.values())
+
+
+def test_a_source_with_a_smooth_spectrum_of_its_own_leaves_no_force_gap() -> None:
+    test = measured(declared())
+    assert test.force_spectrum is not None
+    assert test.response_spectrum is not None
+    colour = 10 ** (1.5 * np.cos(np.pi * np.arange(161) / 160))  # 30 dB from end to end
+    coloured = replace(
+        test,
+        force_spectrum=test.force_spectrum * colour[:, None, None],
+        response_spectrum=test.response_spectrum * colour[:, None],
+    )
+    predictor = predictor_of(undeclared(coloured))
+    gaps = predictor.residual(()).gaps(predictor.observed.usable)
+    assert gaps["force"] < 1.2  # 6 x 160 lines scatter by 5 %
+    predictor = predictor_of(replace(coloured, setup=test.setup))
+    assert predictor.residual(()).gaps(predictor.observed.usable)["force"] > 100
+
+
+def test_levels_are_the_best_fit_so_that_no_other_level_is_better() -> None:
+    predictor = predictor_of(undeclared(measured(declared()), source=False))
+    observed, expected = predictor.observed, expected_spectra(predictor.chain(()))
+    best = residual(observed, predictor.predict(())).gap(observed.fitted)
+    for factor in (0.97, 1.03):
+        shifted = Noise(NoiseDensity(FORCE * factor), NoiseDensity(RESPONSE * factor))
+        other = replace(predictor, setup=replace(predictor.setup, noise=shifted))
+        fixed = replace(other, observed=replace(observed, free_levels=type(observed.free_levels)()))
+        assert fixed.residual(()).gap(observed.fitted) > best
+    assert np.isfinite(expected.xx).all()
+
+
+@pytest.mark.parametrize(
+    "hidden", [ExtraMass(at=Dof.parse("4:+Y"), mass=0.05), ExciterArmature(mass=0.1)], ids=lambda e: e.kind
+)
+def test_the_same_effect_is_named_as_with_declared_levels(hidden: Effect) -> None:
+    kinds = ["extra_mass", "exciter_armature", "force_noise", "response_noise", "quantisation"]
+    test = measured(declared(), (hidden,))
+    known = diagnose(model(), test, suspects=kinds)
+    unknown = diagnose(model(), undeclared(test), suspects=kinds)
+    for diagnosis in (known, unknown):
+        assert [step.effect.kind for step in diagnosis.steps] == [hidden.kind]
+        (mass,) = diagnosis.steps[0].effect.parameters.values()
+        assert mass.value == pytest.approx(hidden.parameters["mass"], abs=4 * mass.standard_error)
+
+
+def test_noise_that_was_never_declared_is_not_judged() -> None:
+    test = undeclared(measured(declared()))
+    kinds = {effect.kind for effect in suspected(predictor_of(test), None)}
+    assert not kinds & {"force_noise", "response_noise", "quantisation"}
+    diagnosis = diagnose(model(), test)
+    assert diagnosis.verdict is Verdict.NOTHING_MISSING
+    assert any("not judged" in note for note in diagnosis.notes)
+
+
+def test_lines_outside_the_source_band_take_no_part() -> None:
+    test = measured(declared())
+    source = replace(test.setup.analyser.excitation, band=(100.0, 300.0))
+    setup = replace(test.setup, analyser=replace(test.setup.analyser, excitation=source))
+    observed = observe(replace(test, setup=setup), (), fraction=0.25)
+    used = observed.freq[observed.usable.any(axis=1)]
+    assert used[0] == pytest.approx(100.0)
+    assert used[-1] == pytest.approx(300.0)
