@@ -4,6 +4,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
 
+from anyio import to_thread
 from fastapi import APIRouter, Depends, FastAPI
 
 import modallab
@@ -60,7 +61,8 @@ def create_app(settings: ServiceSettings, runner: JobRunner | None = None) -> Fa
     chosen = durable_runner(settings) if runner is None else runner
 
     @asynccontextmanager
-    async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        await to_thread.run_sync(app.openapi)  # no request waits for the document that it is checked with
         async with chosen:
             yield
 

@@ -1,5 +1,6 @@
 """Replies that carry arrays: NumPy's archive (npz), or JSON for those who ask for it."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
@@ -18,6 +19,7 @@ from modallab.store.npz import pack, unpack
 Arrays = Mapping[str, NDArray[Any]]
 Item = Literal["real", "complex", "integer", "text", "flag"]
 
+SHAPE = re.compile(r"\((n\w*(?:, \w+)*),?\)")  # in a docstring
 MEDIA_TYPE = "application/octet-stream"
 _SINGLE = {"c": np.complex64, "f": np.float32}
 _ITEMS: Mapping[Item, dict[str, Any]] = {
@@ -42,7 +44,7 @@ class ArraySpec:
     Parameters
     ----------
     doc
-        Unit, then meaning.
+        Unit, then meaning; the shape may be in it.
     shape
         Names of the axes, such as `n_lines, n_out`; `|` separates shapes that it may have.
     item
@@ -59,7 +61,8 @@ class ArraySpec:
     def schema(self) -> dict[str, Any]:
         """Return the JSON schema of the nested lists."""
         shapes = [_nested(self.item, shape.strip()) for shape in self.shape.split("|")]
-        described = {"description": f"({self.shape}) {self.doc}" if self.shape else self.doc}
+        has_shape = not self.shape or SHAPE.search(self.doc)
+        described = {"description": self.doc if has_shape else f"({self.shape}) {self.doc}"}
         return described | (shapes[0] if len(shapes) == 1 else {"anyOf": shapes})
 
 

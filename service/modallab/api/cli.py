@@ -10,6 +10,7 @@ from typing import Annotated, Any
 
 import typer
 
+from modallab.api.convert_command import convert
 from modallab.api.flags import request_of, with_flags
 from modallab.diagnosis.options import DiagnosisOptions
 
@@ -190,6 +191,9 @@ class _ProgressLine:
         """Leave the line to what follows."""
         if sys.stderr.isatty():
             sys.stderr.write("\r\033[K")
+
+
+app.command()(convert)
 
 
 @app.command()

@@ -160,6 +160,8 @@ class _WireTypes:
             return Text
         if isinstance(hint, type) and issubclass(hint, Options):
             return body_of(hint, enforced=self.enforced)
+        if get_origin(hint) is tuple and Ellipsis not in get_args(hint):
+            return tuple[tuple(self.type(h, spec, declared) for h in get_args(hint))]  # type: ignore[misc]
         if get_origin(hint) is tuple:
             shortest, longest = (declared.metadata[name] for name in ("min_items", "max_items"))
             entries = self.type(get_args(hint)[0], spec, declared)

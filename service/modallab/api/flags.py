@@ -57,7 +57,7 @@ def _flag(hint: Any, spec: OptionSpec, declared: Field[Any]) -> Any:
     allowed = in_words(limits) if limits.keys() - {"unit"} else unit
     default = declared.metadata["null_name"] if spec.default is None else spec.default
     shown = "" if nested is not None or default in ("", (), None) else f"default: {default}"
-    form = _form(nested) if nested is not None else ""
+    form = _form(nested) if nested is not None else "lower:upper" if _is_sequence_of_pairs(hint) else ""
     repeat = "may be repeated" if repeated else ""
     details = "; ".join(text for text in (allowed, *spec.choices, form, shown, repeat) if text)
     return Annotated[
@@ -78,7 +78,13 @@ def request_of(options: type[Options], flags: Mapping[str, Any]) -> dict[str, An
     for name, value in flags.items():
         nested = _nested(hints[name])
         if value is not None and value != []:
-            request[name] = value if nested is None else _nested_values(name, nested, value)
+            request[name] = (
+                _nested_values(name, nested, value)
+                if nested is not None
+                else [_pair(name, text) for text in value]
+                if _is_sequence_of_pairs(hints[name])
+                else value
+            )
     return request
 
 
@@ -125,6 +131,21 @@ def _nested(hint: Any) -> type[Options] | None:
 
 def _is_sequence(hint: Any) -> bool:
     return any(get_origin(member) is tuple for member in (hint, *get_args(hint)))
+
+
+def _is_sequence_of_pairs(hint: Any) -> bool:
+    """Return whether a sequence has pairs of numbers as entries."""
+    sequences = [member for member in (hint, *get_args(hint)) if get_origin(member) is tuple]
+    return any(get_origin(entry) is tuple for member in sequences for entry in get_args(member)[:1])
+
+
+def _pair(name: str, text: str) -> list[float]:
+    """Return the numbers of `lower:upper`."""
+    numbers = [_number(part) for part in text.split(":")]
+    found = [number for number in numbers if number is not None]
+    if len(numbers) != 2 or len(found) != 2:
+        raise typer.BadParameter(f"{text!r} is not lower:upper", param_hint=f"--{name}")
+    return found
 
 
 def _number(text: str) -> float | None:

@@ -24,6 +24,7 @@ from modallab.core.progress import Progress
 from modallab.diagnosis.diagnose import diagnose_with_options
 from modallab.diagnosis.predicting.comparability import check_comparable
 from modallab.diagnosis.result import Diagnosis
+from modallab.interchange.declared import DeclaredTest
 from modallab.interchange.reading import read_measurement
 from modallab.rig.effect import EFFECTS
 from modallab.store.base import Entry
@@ -84,7 +85,8 @@ def diagnose_files(
     with files.measured.open("rb") as file:
         largest = ServiceSettings.model_fields["upload_limit"].default
         measurement = _of_file(
-            files.measured, lambda: read_measurement(file, setup, largest=largest, averages=averages)
+            files.measured,
+            lambda: read_measurement(file, setup, largest=largest, declared=DeclaredTest(averages)),
         )
     body = _checked(TypeAdapter(DiagnosisOptionsBody), dict(request))
     options = diagnosis_options(body)

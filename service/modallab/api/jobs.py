@@ -26,6 +26,7 @@ _EVENTS: dict[int | str, dict[str, Any]] = {
 JobReply: Any = reply(
     Job,
     "JobStatus",
+    leave_out=("owner", "arguments"),
     result_id=(str | None, "Id of the result; null until the job has succeeded."),
     error=(dict[str, Any] | None, "Problem document of a failed job; else null."),
 )

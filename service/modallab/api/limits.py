@@ -37,10 +37,16 @@ class RequestLimits(Settings):
         doc="elements of a plate from the catalogue",
         derived="about 120,000 degrees of freedom: modes of more take longer than a request may",
     )
+    rig_values: int = setting(
+        20_000_000,
+        unit="lines x FRFs",
+        doc="FRF values of a test with this rig, measured elsewhere",
+        derived="a file of the largest upload holds fewer",
+    )
     test_values: int = setting(
         2_000_000,
         unit="lines x FRFs",
-        doc="FRF values of one test",
+        doc="FRF values of one simulated test, lines from 0 Hz on",
         derived="its arrays take some hundred megabytes while they are made",
     )
     correlation_values: int = setting(

@@ -8,8 +8,6 @@ from modallab.api.schema import OneOf
 from modallab.api.wire import Text
 from modallab.estimation.estimator import ESTIMATORS
 from modallab.estimation.windows import WINDOWS
-from modallab.extraction.multi_mode.global_method import GLOBAL_METHODS
-from modallab.extraction.single_mode.method import EXTRACTION_METHODS
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.reduction import REDUCTIONS
 from modallab.rig.excitation import EXCITATIONS
@@ -27,8 +25,4 @@ CatalogueName = TypeAliasType(
 ReductionKind = TypeAliasType(
     "ReductionKind",
     Annotated[Text, OneOf(lambda: REDUCTIONS, "reduction of a model to master degrees of freedom")],
-)
-ExtractionMethodName = TypeAliasType(
-    "ExtractionMethodName",
-    Annotated[Text, OneOf(lambda: [*EXTRACTION_METHODS, *GLOBAL_METHODS], "extraction method")],
 )

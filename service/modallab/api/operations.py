@@ -1,4 +1,4 @@
-"""Operations as the OpenAPI document describes them, to hold requests against."""
+"""Operations as the OpenAPI document describes them, for the check of requests."""
 
 from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass
@@ -7,7 +7,6 @@ from typing import Any
 
 from fastapi import HTTPException, Request
 from fastapi.exceptions import RequestValidationError
-from starlette._utils import get_route_path
 from starlette.datastructures import Headers, ImmutableMultiDict
 from starlette.routing import compile_path
 
@@ -22,6 +21,7 @@ FORM_TYPE = "multipart/form-data"
 class Operation:
     """One method at one path: the names of its query parameters, and its bodies by content type."""
 
+    path: str
     query: frozenset[str]
     bodies: Mapping[str, Any]
     definitions: Mapping[str, Any]
@@ -33,45 +33,50 @@ class Operation:
         return next(names, [])
 
 
-_UNKNOWN = Operation(frozenset(), {}, {})
+_UNKNOWN = Operation("", frozenset(), {}, {})
 
 
 class Operations:
-    """Operations by path and method, read from the document when first asked for."""
+    """Operations by the names of their routes, read from the document when first asked for."""
 
     def __init__(self, document: Callable[[], Document]) -> None:
         self._document = document
 
     @cached_property
-    def _by_path(self) -> list[tuple[Any, dict[str, Operation]]]:
-        """Pairs of path pattern and operations by method, paths without parameters first."""
+    def _by_name(self) -> dict[str, Operation]:
+        """Operations by id, which is the name of the route."""
         document = self._document()
         definitions = document["components"]["schemas"]
-        paths = sorted(document["paths"].items(), key=lambda pair: "{" in pair[0])
-        return [
-            (
-                compile_path(path)[0],
-                {name.upper(): _operation(operation, definitions) for name, operation in methods.items()},
-            )
-            for path, methods in paths
-        ]
+        return {
+            operation["operationId"]: _operation(path, operation, definitions)
+            for path, methods in document["paths"].items()
+            for operation in methods.values()
+        }
+
+    @cached_property
+    def _methods(self) -> dict[str, list[str]]:
+        """Methods by path, paths without parameters first."""
+        paths = sorted(self._document()["paths"].items(), key=lambda pair: "{" in pair[0])
+        return {path: sorted(map(str.upper, methods)) for path, methods in paths}
 
     def of(self, request: Request) -> Operation:
-        """Return the operation that a request calls; one without parameters where there is none."""
-        path = get_route_path(request.scope)
-        for pattern, methods in self._by_path:
-            if pattern.match(path) and request.method in methods:
-                return methods[request.method]
-        return _UNKNOWN
+        """Return the operation of the route that a request matched; an empty one without a route."""
+        return self._by_name.get(getattr(request.scope.get("route"), "name", ""), _UNKNOWN)
+
+    def takes(self, path: str, method: str) -> bool:
+        """Return whether a path without parameters takes a method; any method for any other path."""
+        return method in self._methods.get(path, (method,))
 
     def methods(self, path: str) -> list[str]:
         """Return the methods that a path takes, sorted; a path without parameters goes first."""
-        return next((sorted(methods) for pattern, methods in self._by_path if pattern.match(path)), [])
+        templates = (template for template in self._methods if compile_path(template)[0].match(path))
+        return self._methods.get(next(templates, ""), [])
 
 
-def _operation(operation: Mapping[str, Any], definitions: Mapping[str, Any]) -> Operation:
+def _operation(path: str, operation: Mapping[str, Any], definitions: Mapping[str, Any]) -> Operation:
     query = (spec["name"] for spec in operation.get("parameters", ()) if spec["in"] == "query")
-    return Operation(frozenset(query), operation.get("requestBody", {}).get("content", {}), definitions)
+    content = operation.get("requestBody", {}).get("content", {})
+    return Operation(path, frozenset(query), content, definitions)
 
 
 async def check_request(request: Request) -> None:
@@ -85,10 +90,10 @@ async def check_request(request: Request) -> None:
         If a query parameter or a field of a form does not exist.
     """
     operations: Operations = request.app.state.operations
-    if request.method not in operations.methods(get_route_path(request.scope)):
-        # A path such as `/structures/import` is no id of the route with a parameter.
-        raise HTTPException(405, "Method Not Allowed")
     operation = operations.of(request)
+    # A path such as `/structures/import` is no id of the route with a parameter.
+    if not operations.takes(operation.path.format(**request.path_params), request.method):
+        raise HTTPException(405, "Method Not Allowed")
     _check_content_type(request.headers, list(operation.bodies))
     unknown = _unknown("query", request.query_params, operation.query)
     if FORM_TYPE in request.headers.get("content-type", "") and FORM_TYPE in operation.bodies:

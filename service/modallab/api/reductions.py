@@ -10,6 +10,7 @@ from pydantic import Field
 
 from modallab.api.limits import REPLY, REQUEST
 from modallab.api.names import ReductionKind
+from modallab.api.schema import NamedByPattern
 from modallab.api.wire import DofText, Number, Text, Wanted, Wire
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, bounds
@@ -24,7 +25,7 @@ class ReductionIn(Wire):
 
     kind: ReductionKind
     """name of the reduction"""
-    parameters: dict[Text, Number] = Field(default_factory=dict, max_length=20)
+    parameters: Annotated[dict[Text, Number], NamedByPattern()] = Field(default_factory=dict, max_length=20)
     """numbers of the reduction by name"""
 
 

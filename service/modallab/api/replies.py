@@ -20,7 +20,7 @@ from modallab.api.wire import ChannelsAt, MembersAt, Reply, StoredEntry, place_o
 from modallab.core.dof import Dof
 from modallab.core.options import Options
 from modallab.core.place import Place
-from modallab.core.reply import Axes, MayBeNan, NotInReply
+from modallab.core.reply import Axes, MayBeNan
 from modallab.store.base import Entry
 
 # Derived models have their descriptions already; pydantic would search the callers' source for each.
@@ -68,12 +68,12 @@ def stored_reply(
     name
         Component name in the OpenAPI document.
     leave_out
-        Fields that an entry of the store tells already.
+        Fields that the reply does not have: parts that are stored under ids of their own, or that the entry
+        of the store or another route tells.
     added
         Further fields, or other types of fields, as `name=(type, description)`.
     """
-    definitions = {n: d for n, d in _definitions(domain).items() if n not in leave_out}
-    definitions |= {n: (hint, Field(description=text)) for n, (hint, text) in added.items()}
+    definitions = _definitions(domain, leave_out, added)
     model: type[StoredReply] = create_model(
         name, __base__=StoredReply, __doc__=inspect.getdoc(domain), **definitions
     )
@@ -91,26 +91,29 @@ def replies_of(domain: type) -> Any:
     return list[reply_of(domain)]  # type: ignore[misc]
 
 
-def reply(domain: type, name: str, **added: tuple[Any, str]) -> type[Reply]:
-    """Return a reply model with further fields, as `name=(type, description)`."""
-    definitions = _definitions(domain)
-    definitions |= {n: (hint, Field(description=text)) for n, (hint, text) in added.items()}
+def reply(
+    domain: type, name: str, *, leave_out: tuple[str, ...] = (), **added: tuple[Any, str]
+) -> type[Reply]:
+    """Return the reply model of a domain type that is part of a resource; parameters as of `stored_reply`."""
+    definitions = _definitions(domain, leave_out, added)
     model: type[Reply] = create_model(
         name, __base__=DerivedReply, __doc__=inspect.getdoc(domain), **definitions
     )
     return model
 
 
-def _definitions(domain: type) -> dict[str, Any]:
+def _definitions(
+    domain: type, leave_out: tuple[str, ...], added: Mapping[str, tuple[Any, str]]
+) -> dict[str, Any]:
     """Return the fields of a derived model by name: type and description."""
     hints = get_type_hints(domain, include_extras=True)
     docs = attribute_docs(domain)
     definitions = {}
     for field in fields(domain):
-        hint = wire_type(hints[field.name])
+        hint = None if field.name in leave_out else wire_type(hints[field.name])
         if hint is not None:
             definitions[field.name] = (hint, Field(description=docs.get(field.name) or _declared(field)))
-    return definitions
+    return definitions | {name: (hint, Field(description=text)) for name, (hint, text) in added.items()}
 
 
 def _declared(field: Any) -> str | None:
@@ -176,13 +179,11 @@ _MAYBE = Annotated[float | None, BeforeValidator(_finite)]
 
 
 def wire_type(hint: Any) -> Any:  # noqa: PLR0911 - one return for each kind of type
-    """Return the wire's type of an annotation; None of what replies do not have."""
+    """Return the wire's type of an annotation; None of arrays that only `/arrays` has."""
     marks: tuple[Any, ...] = ()
     if get_origin(hint) is Annotated:
         hint, *metadata = get_args(hint)
         marks = tuple(metadata)
-    if any(isinstance(mark, NotInReply) for mark in marks):
-        return None
     if any(isinstance(mark, MayBeNan) for mark in marks):
         return _MAYBE
     if hint == Place:
@@ -224,6 +225,8 @@ def _union(options: tuple[Any, ...], marks: tuple[Any, ...]) -> Any:
         inner = wire_type(Annotated[parts[0], *marks] if marks else parts[0])
         return None if inner is None else inner | None if not _annotated(inner) else _optional(inner)
     alternatives = [wire_type(option) for option in parts]
+    if None in alternatives:
+        return None
     union: Any = Union[tuple(alternatives)]  # noqa: UP007
     return union | None if len(parts) < len(options) else union
 

@@ -72,7 +72,8 @@ class NamedByPattern:
     def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> Json:
         schema = dict(handler(core))
         ((pattern, value),) = schema.pop("patternProperties").items()
-        return schema | {"propertyNames": {"pattern": pattern}, "additionalProperties": value}
+        names = {"pattern": pattern} | schema.get("propertyNames", {})
+        return schema | {"propertyNames": names, "additionalProperties": value}
 
 
 @dataclass(frozen=True)

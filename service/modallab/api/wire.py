@@ -7,10 +7,10 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstr
 from typing_extensions import TypeAliasType
 
 from modallab.api.limits import REQUEST
-from modallab.api.schema import Limits, OneOf, Pattern
+from modallab.api.schema import Limits, NamedByPattern, OneOf, Pattern
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, EffectSpec, Members, Place
-from modallab.fe.settings import INPUT
+from modallab.fe.structure_settings import INPUT
 from modallab.rig.effect import EFFECTS, Effect, build
 from modallab.store.base import Entry
 
@@ -80,7 +80,7 @@ class EffectIn(Wire):
     """name of the effect; `GET /v1/catalog/effects` lists them"""
     at: DofText | MembersAt | ChannelsAt | None = None
     """degree of freedom, members or channels where the effect acts; null: everywhere"""
-    parameters: dict[Text, Number] = Field(default_factory=dict, max_length=20)
+    parameters: Annotated[dict[Text, Number], NamedByPattern()] = Field(default_factory=dict, max_length=20)
     """numbers of the effect by name, SI units; left out: the defaults of the catalogue"""
 
     def to_domain(self) -> Effect:

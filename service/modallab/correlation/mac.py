@@ -1,7 +1,7 @@
 """Modal assurance criterion (MAC) and pairing of modes."""
 
 import numpy as np
-import scipy.optimize
+import scipy
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.numerics import PRODUCT_ROUNDING

@@ -31,6 +31,7 @@ class DampingLaw(Effect):
     stage: ClassVar[Stage] = Stage.STRUCTURE
     structural: ClassVar[bool] = True
     same_in_all_runs: ClassVar[bool] = True
+    of_stated_damping: ClassVar[bool] = True
     share: float = parameter(
         0.5, unit="1", lower=0.0, upper=1.0, doc="of the loss that follows the other law"
     )

@@ -32,6 +32,7 @@ class LossFactorError(Effect):
     stage: ClassVar[Stage] = Stage.STRUCTURE
     structural: ClassVar[bool] = True
     same_in_all_runs: ClassVar[bool] = True
+    of_stated_damping: ClassVar[bool] = True
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Members)
     factor: float = parameter(
         2.0, unit="1", lower=0.0, upper=100.0, absent=1.0, doc="true loss factor over the model's"

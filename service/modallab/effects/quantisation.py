@@ -76,6 +76,9 @@ class Quantisation(Effect):
 
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
+        """Return all channels and each response; nowhere if their noise, which it is like, is unknown."""
+        if setup.noise.force is None or setup.noise.response is None:
+            return ()
         return (None, *(Channels((dof,)) for dof in setup.responses))
 
     @classmethod

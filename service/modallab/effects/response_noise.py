@@ -7,7 +7,9 @@ from typing import ClassVar, Self
 import numpy as np
 
 from modallab.core.parameters import parameter
+from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
+from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import RigSetup
 from modallab.rig.source import NoiseLevels
@@ -34,7 +36,12 @@ class ResponseNoise(Effect):
 
     @classmethod
     def from_setup(cls, setup: RigSetup) -> Sequence[Self]:
-        return [cls(ratio=setup.noise.response)] if setup.noise.response > 0 else []
+        return [cls(ratio=ratio)] if (ratio := setup.noise.response_ratio) > 0 else []
+
+    @classmethod
+    def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
+        """Return the rig as a whole; nowhere if no noise is declared that there could be more of."""
+        return () if setup.noise.response is None else (None,)
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:

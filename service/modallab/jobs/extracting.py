@@ -6,6 +6,7 @@ from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfKind, FrfSet
+from modallab.core.line_options import Band, line_mask
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress
 from modallab.estimation.windows import WINDOWS, added_loss_factor
@@ -51,6 +52,8 @@ class ExtractionRequest:
     """Hz, lower and upper end, one mode each, of a global method one or more; None: from the FRFs."""
     n_modes: int | None = None
     """Number of modes to keep, the most prominent ones; None: all."""
+    exclude: tuple[Band, ...] = ()
+    """Hz, lower and upper end of bands whose lines are left out."""
     correct_window_damping: bool = False
     """Whether the damping that an exponential window adds is taken out of the loss factors."""
 
@@ -68,6 +71,7 @@ def extract_and_store(
         options=request.options,
         bands=request.bands,
         n_modes=request.n_modes,
+        exclude=request.exclude,
         leakage=leakage_of(measurement.setup),
         estimator=measurement.setup.analyser.estimator,
         progress=progress,
@@ -111,6 +115,7 @@ def picture_of(
             allowed=[str(dof) for dof in model.references],
         )
     leakage = leakage_of(measurement.setup)
+    measurement = measurement.at(line_mask(measurement.frf.freq, exclude=model.exclude))
     responses, _ = responses_read(
         measurement.frf,
         measurement.coherence,

@@ -3,10 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Annotated, Any, Protocol, Self
+from typing import Any, Protocol, Self
 
 from modallab.core.errors import ModalLabError
-from modallab.core.reply import NotInReply
 
 
 class JobState(StrEnum):
@@ -30,11 +29,11 @@ class Job:
 
     id: str
     """Id of the job."""
-    owner: Annotated[str, NotInReply("is the sender of the request")]
+    owner: str
     """Owner of the job and of its result."""
     task: str
     """Name of the task, for example `measure_and_store`."""
-    arguments: Annotated[Mapping[str, Any], NotInReply("are the body of the request that started it")]
+    arguments: Mapping[str, Any]
     """Arguments of the task as JSON values."""
     created: str
     """ISO 8601, UTC, time of the request."""

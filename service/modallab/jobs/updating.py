@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from modallab.core.errors import InvalidInputError
+from modallab.core.line_options import ALL_LINES, LineOptions, line_mask
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress
 from modallab.fe.structure import Structure
@@ -47,6 +48,8 @@ class UpdateRequest:
     """Coefficients that may move; None of a direct method."""
     noise_floor: float | None = None
     """Relative random error of every measured FRF, beside what coherence and averages tell."""
+    lines: LineOptions = ALL_LINES
+    """Lines of measured FRFs that count."""
 
 
 def update_and_store(
@@ -59,7 +62,8 @@ def update_and_store(
     structure = store.structures.get(inputs.structure_id)
     target: ModalModel | TargetResponses
     if inputs.measurement_id is not None:
-        target = measured_responses(store.measurements.get(inputs.measurement_id), request.noise_floor)
+        measurement = store.measurements.get(inputs.measurement_id)
+        target = measured_responses(measurement, request.noise_floor, request.lines)
     else:
         target = store.modal_models.get(str(inputs.modal_model_id))
     result = _run_method(structure, target, request, progress)
@@ -72,8 +76,17 @@ def update_and_store(
         batch.updates.add(result, owner=into.owner, inputs=sources, id=into.id)
 
 
-def measured_responses(measurement: Measurement, noise_floor: float | None) -> TargetResponses:
-    """Return measured FRFs with their random errors; `InvalidInputError` if these are not known."""
+def measured_responses(
+    measurement: Measurement, noise_floor: float | None, lines: LineOptions = ALL_LINES
+) -> TargetResponses:
+    """Return measured FRFs at the lines that count, with their random errors.
+
+    Raises
+    ------
+    InvalidInputError
+        If the random errors are not known, or a band has no lines.
+    """
+    measurement = measurement.at(line_mask(measurement.frf.freq, lines.bands, lines.exclude))
     frf, common = without_noise_bias(measurement)
     return target_responses(frf, measurement.coherence, measurement.averages, noise_floor, common)
 

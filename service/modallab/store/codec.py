@@ -11,10 +11,11 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.assumption import Assumption
 from modallab.core.dof import Dof
 from modallab.core.frequency_inconsistency import FrequencyInconsistency
 from modallab.core.frf import FrfKind, FrfSet
-from modallab.core.modal_model import ModalModel, Mode, StabilisationChart
+from modallab.core.modal_model import DoubtfulMode, ModalModel, Mode, StabilisationChart
 from modallab.correlation.compare import Correlation
 from modallab.diagnosis.result import Diagnosis
 from modallab.fe.structure import Structure
@@ -75,6 +76,7 @@ def arrays_of(thing: Measurement) -> Arrays:
 def _take_measurement(thing: Measurement) -> tuple[Json, Arrays]:
     arrays = arrays_of(thing)
     body = {"setup": to_plain(thing.setup)[0], "seed": thing.seed, "notes": list(thing.notes)}
+    body["assumed"] = [to_plain(assumption)[0] for assumption in thing.assumed]
     return body | {"route": thing.route, "libraries": dict(thing.libraries)}, arrays
 
 
@@ -92,6 +94,7 @@ def _put_measurement(body: Json, arrays: _ArrayMap) -> Measurement:
         route=body.get("route"),
         libraries=body.get("libraries", {}),
         notes=tuple(body["notes"]),
+        assumed=tuple(from_plain(Assumption, tree, {}) for tree in body.get("assumed", ())),
     )
 
 
@@ -122,7 +125,13 @@ def _take_modal_model(thing: ModalModel) -> tuple[Json, Arrays]:
     )
     if thing.chart is not None:
         arrays |= {f"{_CHART}{f.name}": getattr(thing.chart, f.name) for f in fields(StabilisationChart)}
-    body = {"normalisation": thing.normalisation, "method": thing.method, "notes": list(thing.notes)}
+    body: Json = {"normalisation": thing.normalisation, "method": thing.method, "notes": list(thing.notes)}
+    if thing.options:
+        body["options"] = dict(thing.options)
+    if thing.exclude:
+        body["exclude"] = [list(band) for band in thing.exclude]
+    if thing.doubtful:
+        body["doubtful"] = [to_plain(pole)[0] for pole in thing.doubtful]
     if thing.references:
         body["references"] = [str(dof) for dof in thing.references]
     if thing.frequency_inconsistency is not None:
@@ -154,7 +163,10 @@ def _put_modal_model(body: Json, arrays: _ArrayMap) -> ModalModel:
         references=_references(body),
         frequency_inconsistency=_inconsistency(body, arrays),
         chart=None if f"{_CHART}order" not in arrays else _chart(arrays),
+        doubtful=tuple(from_plain(DoubtfulMode, tree, {}) for tree in body.get("doubtful", ())),
         choices=body.get("choices", {}),
+        options=body.get("options", {}),
+        exclude=tuple((lower, upper) for lower, upper in body.get("exclude", ())),
         notes=tuple(body["notes"]),
     )
 

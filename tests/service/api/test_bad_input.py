@@ -337,7 +337,7 @@ FILES = {
     "an FRF that overflows when squared": (npz(values=np.full((21, 1, 1), 1e200 + 0j)), "values"),
     "power that overflows when squared": (npz(force_spectrum=np.full((21, 1, 1), 1e200)), "force_spectrum"),
     "NaN in an FRF": (npz(values=with_nan()), "values"),
-    "an array missing": (npz(freq=None), "file"),
+    "an array missing": (npz(freq=None), "variables"),
     "no npz file": (b"PK no archive", "file"),
     "neither npz nor universal": (b"freq;value\n1;2\n", "file"),
     "a universal file cut off": (b"    -1\n    58\nNONE\n", "file"),

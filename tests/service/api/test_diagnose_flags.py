@@ -57,6 +57,13 @@ def test_values_of_nested_options_go_to_the_option_that_takes_them() -> None:
     assert request_of(DiagnosisOptions, {"hold_out": ["fraction=0.2"]}) == {"hold_out": {"fraction": 0.2}}
 
 
+def test_bands_are_pairs_of_numbers() -> None:
+    assert set(flags()["bands"].opts) == {"--bands", "--band"}
+    assert request_of(DiagnosisOptions, {"bands": ["50:400", "5e2:600.5"], "exclude": []}) == {
+        "bands": [[50.0, 400.0], [500.0, 600.5]]
+    }
+
+
 @pytest.mark.parametrize(
     "given",
     [
@@ -64,6 +71,8 @@ def test_values_of_nested_options_go_to_the_option_that_takes_them() -> None:
         {"tolerances": ["0.1"]},
         {"tolerances": ["modulus=much"]},
         {"tolerances": ["=1"]},
+        {"bands": ["50"]},
+        {"exclude": ["50:high"]},
     ],
 )
 def test_values_that_no_option_takes_are_refused(given: dict[str, list[str]]) -> None:

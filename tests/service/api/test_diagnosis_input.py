@@ -12,7 +12,7 @@ RIG = {
     "drive": "1:+Y",
     "responses": ["1:+Y", "3:+Y", "4:+Y", "5:+Y", "7:+Y"],
     "noise": {"force": 1e-4, "response": 1e-4},
-    "analyser": {"frequency_max": 400.0, "n_lines": 161, "averages": 50},
+    "analyser": {"frequency_max": 400.0, "n_lines": 161, "averages": 50, "excitation": {"level": 1.0}},
 }
 BEAM = free_beam(6)
 HIDDEN = {"kind": "extra_mass", "at": "4:+Y", "parameters": {"mass": 0.05}}
@@ -37,14 +37,14 @@ def arrays(service: Any, model: str, rig_id: str) -> dict[str, Any]:
     return dict(np.load(io.BytesIO(service.request("GET", f"/v1/measurements/{id}/arrays").content)))
 
 
-def imported(service: Any, rig_id: str, arrays: dict[str, Any], status: int = 201) -> Any:
+def imported(service: Any, rig_id: str | None, arrays: dict[str, Any], status: int = 201) -> Any:
     file = io.BytesIO()
     np.savez(file, **arrays)
     reply = service.request(
         "POST",
         "/v1/measurements/import",
         files={"file": ("test.npz", file.getvalue())},
-        data={"rig_id": rig_id},
+        data={} if rig_id is None else {"rig_id": rig_id},
     )
     assert reply.status_code == status, reply.text
     return reply.json()
@@ -129,20 +129,38 @@ def test_frfs_in_other_units_show_as_gains_of_all_responses(
     np.testing.assert_allclose(amplitudes, 1 / 9.80665, rtol=0.1)  # the hidden mass is in it too
 
 
-def test_without_coherence_a_noise_floor_is_asked_for(
-    service: Any, model: str, rig_id: str, arrays: dict[str, Any]
+@pytest.mark.parametrize("floor", [None, 0.01])
+def test_without_coherence_scatter_or_a_noise_floor_is_the_random_error(
+    service: Any, model: str, rig_id: str, arrays: dict[str, Any], floor: float | None
 ) -> None:
     bare = imported(service, rig_id, without(arrays, "coherence", "averages"))
-    problem = refused(service, asked(model, bare), "invalid_input", "coherence")
-    assert "averages" in problem["detail"]
-    assert "noise floor" in problem["detail"]
-    found = diagnosed(service, asked(model, bare, noise_floor=0.01))
+    assert any(assumption["quantity"] == "random_error" for assumption in bare["assumed"])
+    found = diagnosed(service, asked(model, bare, **({} if floor is None else {"noise_floor": floor})))
     (step,) = found["steps"]
     assert (step["effect"]["kind"], step["effect"]["at"]) == ("extra_mass", "4:+Y")
     mass = step["effect"]["parameters"]["mass"]
     assert abs(mass["value"] - 0.05) < 4 * mass["standard_error"]
     assert "response" not in found["gaps"]["after"]
     assert any("no usable coherence" in note for note in found["notes"])
+
+
+@pytest.mark.parametrize("with_rig", [True, False])
+def test_an_upload_that_declares_nothing_is_explained_by_its_effect(
+    service: Any, model: str, arrays: dict[str, Any], with_rig: bool
+) -> None:
+    nothing = {"frequency_max": 400.0, "n_lines": 161, "averages": None, "excitation": None}
+    rig = RIG | {"noise": None, "analyser": nothing}
+    id = str(service.post("/v1/rigs", rig)["id"]) if with_rig else None
+    test = imported(service, id, without(arrays, "averages"))
+    (averages,) = (one for one in test["assumed"] if one["quantity"] == "averages")
+    estimate, error = (float(text) for text in averages["value"].split(" +- "))
+    # drawn with 50; 12 stretches of 5 FRFs: their scatter tells the error to a quarter
+    assert abs(estimate - 50) < 3 * error + 0.05 * 50
+    found = diagnosed(service, asked(model, test))
+    (step,) = found["steps"]
+    assert (step["effect"]["kind"], step["effect"]["at"]) == ("extra_mass", "4:+Y")
+    assert found["verdict"] == "explained"
+    assert any("not judged" in note for note in found["notes"])
 
 
 def test_two_averages_ask_for_a_noise_floor_too(
@@ -170,8 +188,8 @@ def test_lines_at_uneven_distances_are_refused(service: Any, rig_id: str, arrays
 def test_another_frequency_axis_than_the_log_books_is_refused(
     service: Any, rig_id: str, arrays: dict[str, Any]
 ) -> None:
-    half = {name: value[:81] if value.ndim and len(value) == 161 else value for name, value in arrays.items()}
-    problem = imported(service, rig_id, half, status=422)
+    shifted = arrays["freq"] + arrays["freq"][1] / 3  # between the lines of the rig
+    problem = imported(service, rig_id, arrays | {"freq": shifted}, status=422)
     assert problem["context"]["field"] == "freq"
 
 

@@ -70,8 +70,11 @@ def test_a_file_with_hardly_a_line_is_refused(service: Any) -> None:
     assert (reply.status_code, reply.json()["context"]["field"]) == (422, "freq")
 
 
-def test_a_diagnosis_of_lines_that_no_log_book_has_is_refused(service: Any, beam: str) -> None:
-    measured = sent(service, np.arange(50.0, 120.0, 0.25), outputs=["1:+Y", "5:+Y", "9:+Y"], inputs=["1:+Y"])
+def test_a_diagnosis_of_lines_that_are_not_evenly_spaced_is_refused(service: Any, beam: str) -> None:
+    freq = np.arange(50.0, 120.0, 0.25)
+    freq[17] += 0.1
+    measured = sent(service, freq, outputs=["1:+Y", "5:+Y", "9:+Y"], inputs=["1:+Y"])
+    assert any("line 18, 54.35 Hz" in note for note in measured.json()["notes"])
     body = {"structure_id": beam, "measurement_id": measured.json()["id"]}
     reply = service.request("POST", "/v1/diagnoses", json=body)
     assert (reply.status_code, reply.json()["context"]["field"]) == (422, "freq")

@@ -1,15 +1,15 @@
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Annotated
 
 import numpy as np
 
 from modallab.api.replies import attribute_docs, reply, reply_of, stored_reply
-from modallab.core.arrays import ComplexArray
+from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.core.place import Members, Place
-from modallab.core.reply import Axes, Matrix, NanFloat, NotInReply, Vector
+from modallab.core.reply import Axes, Matrix, NanFloat, Vector
 from modallab.store.base import Entry
 
 
@@ -54,7 +54,10 @@ class Peaks:
     """(n_dof, n) in `/arrays`."""
     curve: Annotated[ComplexArray, Axes(1)]
     """(n_freq,) m/N."""
-    seed: Annotated[int, NotInReply("is told by the entry")] = 0
+    parts: Mapping[str, FloatArray | ComplexArray] = field(default_factory=dict)
+    """In `/arrays`."""
+    seed: int = 0
+    """Seed of the noise."""
     label: str | None = None
     """Free text."""
 
@@ -97,6 +100,7 @@ def test_values_stand_as_json_has_them() -> None:
         "constant": [1.0, 2.0],
         "gaps": {"before": {"frf": None}},
         "curve": [[0.0, 1.0]],
+        "seed": 0,
         "label": None,
     }
 
@@ -106,7 +110,7 @@ def test_a_matrix_that_is_not_there_is_null() -> None:
 
 
 def test_a_stored_value_has_its_entry_and_what_was_added() -> None:
-    model = stored_reply(Peaks, "PeaksReply", leave_out=("label",), n=(int, "Number of peaks."))
+    model = stored_reply(Peaks, "PeaksReply", leave_out=("label", "seed"), n=(int, "Number of peaks."))
     told = model.of(PEAKS, entry(), n=1).model_dump(mode="json")
     assert (told["id"], told["n"], told["seed"], told["made_from"]) == ("a1", 1, 7, {"measurement_id": "b2"})
     assert "label" not in told

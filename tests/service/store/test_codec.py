@@ -4,7 +4,7 @@ import numpy as np
 
 from modallab.core.dof import Dof
 from modallab.core.frequency_inconsistency import FrequencyInconsistency, InconsistencyCause
-from modallab.core.modal_model import ModalModel, Mode
+from modallab.core.modal_model import DoubtfulMode, ModalModel, Mode
 from modallab.store.codec import CODECS
 
 DOFS = (Dof(1, "Y"), Dof(5, "Y", -1))
@@ -46,6 +46,16 @@ def test_how_frequencies_wander_comes_back_and_is_served_under_its_own_names() -
     assert not found.frequency_inconsistency.shift.flags.writeable
 
 
+def test_doubtful_poles_come_back_and_older_models_have_none() -> None:
+    poles = (DoubtfulMode(24.5, -0.01, "residual pole with negative damping"),)
+    given = ModalModel((Mode(23.5, 0.01, np.ones(2, complex)),), DOFS, doubtful=poles)
+    codec = CODECS["modal_model"]
+    body, arrays = codec.take_apart(given)
+    assert codec.put_together(body, arrays).doubtful == poles
+    del body["doubtful"]
+    assert codec.put_together(body, arrays).doubtful == ()
+
+
 def test_poles_beyond_the_range_come_back() -> None:
     poles, constants = np.array([4.0 + 1j, 9.0]), np.array([[1.0, 2j], [3.0, 4.0]])
     given = ModalModel(
@@ -67,3 +77,10 @@ def test_a_model_of_an_earlier_version_has_neither_wander_nor_drive() -> None:
     assert "drive" not in body
     found = codec.put_together(body, arrays)
     assert (found.frequency_inconsistency, found.drive) == (None, None)
+
+
+def test_the_options_of_an_extraction_come_back() -> None:
+    # a plot repeats the fits with these options
+    given = ModalModel((Mode(23.5, 0.01, np.ones(2, complex)),), DOFS, options={"lines": 12, "arc": None})
+    codec = CODECS["modal_model"]
+    assert codec.put_together(*codec.take_apart(given)).options == given.options

@@ -8,7 +8,7 @@ from starlette.responses import Response
 from modallab.api import array_tables
 from modallab.api.arrays import ArraysFormatDep
 from modallab.api.correlations.replies import CorrelationReply, correlation_arrays, correlation_reply
-from modallab.api.correlations.schemas import CorrelationIn, small
+from modallab.api.correlations.schemas import CorrelationIn
 from modallab.api.deps import IdPath, OwnerDep, StoreDep
 from modallab.api.examples import examples
 from modallab.api.reductions import check_size, reduction_in
@@ -45,7 +45,9 @@ def create_correlation(body: Annotated[CorrelationIn, _BODY], store: StoreDep, o
         measured,
         count=body.count,
         reduction=reduction,
-        frf=None if body.measurement_id is None else small(store.measurements.get(body.measurement_id).frf),
+        frf=None
+        if body.measurement_id is None
+        else body.lines_of(store.measurements.get(body.measurement_id).frf),
     )
     stored = store.correlations.add(correlation, owner=owner, inputs=body.inputs)
     return correlation_reply(correlation, store.correlations.entry(stored))

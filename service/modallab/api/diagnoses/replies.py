@@ -22,6 +22,7 @@ class FollowUpTest:
 DiagnosisReply = stored_reply(
     Diagnosis,
     "Diagnosis",
+    leave_out=("structure", "setup", "curves", "seed"),
     follow_ups=(replies_of(FollowUpTest), "Further tests that were explained together with the first."),
     structure_id=(str, "Model with the added effects."),
     rig_id=(str, "Log book with the added effects."),

@@ -15,6 +15,7 @@ from modallab.api.diagnoses.schemas import DiagnosisStart
 from modallab.api.examples import example
 from modallab.api.jobs import JobReply, job_reply
 from modallab.api.shelves import add_routes
+from modallab.core.line_options import line_mask
 from modallab.diagnosis.predicting.comparability import check_comparable
 from modallab.diagnosis.reporting.report import report
 from modallab.diagnosis.residuals.random_error import check_random_error_known
@@ -46,6 +47,7 @@ def start_diagnosis(
     check_comparable(structure, measurement)
     check_random_error_known(replace(measurement, noise_floor=body.noise_floor))
     inputs, options = body.to_task(structure)
+    line_mask(measurement.frf.freq, options.bands, options.exclude)
     check_follow_ups(store, structure, body.measurement_id, body.follow_ups, act=body.act)
     return job_reply(jobs.submit(DIAGNOSIS.name, DIAGNOSIS.arguments(inputs, options), owner=owner))
 

@@ -20,6 +20,7 @@ MeasurementReply = stored_reply(
     outputs=(list[str], "Response DoFs."),
     inputs=(list[str], "Force DoFs."),
     n_lines=(int, "Number of frequency lines."),
+    frequency_min=(float, "Hz, frequency of the first line."),
     frequency_max=(float, "Hz, frequency of the last line."),
 )
 LogReply = stored_reply(
@@ -44,6 +45,7 @@ def measurement_reply(measurement: Measurement, entry: Entry) -> Any:
         outputs=[str(dof) for dof in frf.outputs],
         inputs=[str(dof) for dof in frf.inputs],
         n_lines=len(frf.freq),
+        frequency_min=float(frf.freq[0]),
         frequency_max=float(frf.freq[-1]),
     )
 

@@ -3,17 +3,18 @@
 from typing import Annotated, Any
 
 import numpy as np
-from fastapi import APIRouter, File, Form, Query, UploadFile, status
+from fastapi import APIRouter, Query, status
 from starlette.responses import Response
 
 from modallab.api import array_tables
 from modallab.api.arrays import ArraysFormatDep
-from modallab.api.deps import Id, IdPath, JobsDep, OwnerDep, SettingsDep, StoreDep
+from modallab.api.deps import IdPath, JobsDep, OwnerDep, SettingsDep, StoreDep
 from modallab.api.examples import example
 from modallab.api.files import FRF_TEXT, HDF5, UFF, frf_text_reply, hdf5_reply, origin, uff_reply
 from modallab.api.jobs import JobReply, job_reply
 from modallab.api.kinds import KindWanted, measured_as
 from modallab.api.measurements.curves import Curves, curves_of
+from modallab.api.measurements.import_form import ImportFormDep, UploadedFiles
 from modallab.api.measurements.indicators import (
     Indicators,
     IndicatorsReply,
@@ -34,6 +35,7 @@ from modallab.api.replies import reply_of
 from modallab.api.shelves import add_routes
 from modallab.api.thinning import Points
 from modallab.interchange import frf_text, hdf5, uff
+from modallab.interchange.confinement import NamedFile
 from modallab.interchange.reading import read_measurement
 from modallab.interchange.settings import FRF_TEXT_FILE
 from modallab.jobs.tasks import MEASUREMENT
@@ -41,13 +43,6 @@ from modallab.store.base import Truth
 from modallab.store.codec import arrays_of
 
 router = APIRouter(prefix="/measurements", tags=["measurements"])
-Averages = Annotated[
-    float | None,
-    Form(ge=1, le=1e9, description="effective averages; by default the file's, or else the rig's"),
-]
-RigId = Annotated[
-    Id | None, Form(description="the log book of the test; by default what the file itself tells of it")
-]
 Decimals = Annotated[
     int,
     Query(
@@ -57,7 +52,6 @@ Decimals = Annotated[
     ),
 ]
 
-_FILE = "universal file (58), npz or HDF5 (freq, values, outputs, inputs, kind and more), or FRF text"
 _TEST = {
     "structure_id": "5f0c31",
     "rig_id": "9b2e77",
@@ -84,19 +78,21 @@ def start_measurement(
     summary="Import a measurement",
 )
 def import_measurement(
-    file: Annotated[
-        UploadFile,
-        File(description=_FILE),
-    ],
-    store: StoreDep,
-    settings: SettingsDep,
-    owner: OwnerDep,
-    rig_id: RigId = None,
-    averages: Averages = None,
+    file: UploadedFiles, form: ImportFormDep, store: StoreDep, settings: SettingsDep, owner: OwnerDep
 ) -> Any:
-    """Return a measurement from a file of FRFs: universal file (dataset 58), npz, HDF5 or FRF text."""
-    setup = None if rig_id is None else store.rigs.get(rig_id)
-    measurement = read_measurement(file.file, setup, largest=settings.upload_limit, averages=averages)
+    """Return a measurement from files of FRFs; their content determines the format.
+
+    Formats: universal file (dataset 58), npz, HDF5, MATLAB, delimited text, FRF text, and a zip of several
+    files of one test. What the files do not say, and nobody declares, is listed in `assumed`.
+    """
+    rig_id = form.rig_id
+    measurement = read_measurement(
+        [NamedFile(part.filename or "", part.file) for part in file],
+        None if rig_id is None else store.rigs.get(rig_id),
+        largest=settings.upload_limit,
+        options=form.options,
+        declared=form.declared,
+    )
     with store.together() as batch:
         if rig_id is None:
             rig_id = batch.rigs.add(measurement.setup, owner=owner)

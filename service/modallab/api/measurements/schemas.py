@@ -6,7 +6,9 @@ from pydantic import ConfigDict
 
 from modallab.api.deps import Id
 from modallab.api.derived import body_of
+from modallab.api.limits import REQUEST
 from modallab.api.wire import Effects
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.fe.structure import Structure
 from modallab.jobs.measuring import MeasurementInputs, MeasurementOptions
 from modallab.rig.effect import build
@@ -34,8 +36,10 @@ class MeasurementStart(MeasurementOptionsBody):  # type: ignore[misc]
         UnknownDofError
             If the rig drives or listens where the structure has no DoF.
         InvalidInputError
-            If an effect is unknown, cannot sit where it is said to, or a value is out of bounds.
+            If an effect is unknown, cannot sit where it is said to, or a value is out of bounds; if the
+            test has too many lines and FRFs.
         """
+        _check_size(setup)
         for dof in (*setup.drives, *setup.responses):
             structure.index(dof)
         effects = [effect.to_domain() for effect in self.effects]
@@ -44,3 +48,15 @@ class MeasurementStart(MeasurementOptionsBody):  # type: ignore[misc]
         specs = tuple(effect.spec for effect in effects)
         options = MeasurementOptions(specs, Route(self.route), self.seed)
         return MeasurementInputs(self.structure_id, self.rig_id), options
+
+
+def _check_size(setup: RigSetup) -> None:
+    """Raise `InvalidInputError` if a simulated test has too many lines and FRFs, or lines of no record."""
+    values = len(setup.responses) * len(setup.drives) * setup.baseband.analyser.n_lines
+    if values > REQUEST.test_values:
+        raise InvalidInputError(
+            "lines from 0 Hz on, times responses, are too many to simulate",
+            field="n_lines",
+            value=values,
+            allowed=bounds(maximum=REQUEST.test_values),
+        )

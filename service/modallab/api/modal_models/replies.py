@@ -34,10 +34,12 @@ _ADDED: dict[str, tuple[Any, str]] = {
     ),
     "measurement_id": (str | None, "Measurement from which the modes were extracted."),
 }
-ModalModelReply = stored_reply(ModalModel, "ModalModel", **_ADDED)
+_CHART = ("chart",)  # has a route of its own
+ModalModelReply = stored_reply(ModalModel, "ModalModel", leave_out=_CHART, **_ADDED)
 ExpandedReply = stored_reply(
     ModalModel,
     "ExpandedModalModel",
+    leave_out=_CHART,
     **_ADDED,
     fit_residuals=(list[float], "By mode: norm of measured minus expanded shape over the measured norm."),
     rayleigh_frequencies=(list[float], "Hz, by mode: from the Rayleigh quotient of the expanded shape."),

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from modallab.api.deps import Id
 from modallab.api.derived import OptionsByMethod, body_of, options_from
@@ -12,6 +12,7 @@ from modallab.api.schema import Limits, OneOf
 from modallab.api.wire import NO_CONVERSION, DofText, ModeCount, Number, Seed, Text, Wire
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
+from modallab.core.line_options import MAX_BANDS, ExcludedLines
 from modallab.core.modal_model import ModalModel, Mode
 from modallab.extraction.method_options import OPTIONS, options_type
 from modallab.fe.synthetic_modes import Distribution, ModeNoise
@@ -63,20 +64,19 @@ class SyntheticIn(Wire):
         return distinct(self.dofs)
 
 
-Band = tuple[Number, Number]
-
-
 EXTRACTION_BODIES = {cls: body_of(cls) for cls in dict.fromkeys(OPTIONS.values())}
 ExtractionOptionsBody = Annotated[
     Wire, OptionsByMethod({method: EXTRACTION_BODIES[cls] for method, cls in OPTIONS.items()})
 ]
 
 
-class ModalModelStart(Wire):
+class ModalModelStart(body_of(ExcludedLines)):  # type: ignore[misc]
     """Modes to be read from a measurement.
 
     Bands are in Hz, each with one mode, or of a global method one and more; or found by themselves.
     """
+
+    model_config = ConfigDict(use_attribute_docstrings=True)
 
     measurement_id: Id
     """measurement whose FRFs are read"""
@@ -86,7 +86,9 @@ class ModalModelStart(Wire):
     options: ExtractionOptionsBody = Field(
         default_factory=dict, validate_default=True, description="options of the method"
     )
-    bands: Literal["auto"] | Annotated[list[Band], Field(min_length=1, max_length=500)] = "auto"
+    bands: (
+        Literal["auto"] | Annotated[list[tuple[Number, Number]], Field(min_length=1, max_length=MAX_BANDS)]
+    ) = "auto"
     """Hz, low and high end of each band; `auto`: found by a mode indicator"""
     n_modes: Annotated[int, Field(ge=1, le=500), NO_CONVERSION] | None = None
     """largest number of modes, the most prominent; null: all that stand out"""
@@ -107,6 +109,7 @@ class ModalModelStart(Wire):
             options=options_from(options_type(self.method), self.options),
             bands=None if self.bands == "auto" else tuple(self.bands),
             n_modes=self.n_modes,
+            exclude=options_from(ExcludedLines, self).exclude,
             correct_window_damping=self.correct_window_damping,
         )
         return ExtractionInputs(self.measurement_id), request

@@ -11,14 +11,16 @@ from modallab.rig.analyser import Analyser, ExcitationSetting
 
 _DEFAULT = Analyser()
 _SPECS = ExcitationSetting.specs()
+_Frequency = Annotated[Number, Limits(0.0, 1e6)]
 
 
 class ExcitationIn(Wire):
-    """The signal of the source, N rms from 0 Hz to the top of the band; what a burst or a hammer is like."""
+    """The signal of the source, its level in N rms over its band; what a burst or a hammer is like."""
 
     kind: ExcitationKind = _DEFAULT.excitation.kind
     """kind of signal; left out: periodic_random, or impact for a hammer"""
-    level: Annotated[Number, Specified(_SPECS["level"])] = _DEFAULT.excitation.level
+    level: Annotated[Number, Specified(_SPECS["level"])] | None = None
+    """N, rms of the source over its band; null: unknown"""
     burst: Annotated[Number, Specified(_SPECS["burst"])] = _DEFAULT.excitation.burst
     tip_stiffness: Annotated[Number, Specified(_SPECS["tip_stiffness"])] = _DEFAULT.excitation.tip_stiffness
     hammer_mass: Annotated[Number, Specified(_SPECS["hammer_mass"])] = _DEFAULT.excitation.hammer_mass
@@ -27,23 +29,33 @@ class ExcitationIn(Wire):
     place_scatter: Annotated[Number, Specified(_SPECS["place_scatter"])] = _DEFAULT.excitation.place_scatter
     angle_scatter: Annotated[Number, Specified(_SPECS["angle_scatter"])] = _DEFAULT.excitation.angle_scatter
 
+    band: tuple[_Frequency, _Frequency] | None = _DEFAULT.excitation.band
+    """Hz, lowest and highest frequency that the source drives; null: the whole band of the analyser"""
+    shape: Literal["flat", "unknown"] = _DEFAULT.excitation.shape
+    """spectrum of the source over its band; a diagnosis leaves an unknown one free"""
+
     def to_domain(self, usual: str) -> ExcitationSetting:
         """Return the excitation, of the `usual` kind where none is given; an unknown kind raises."""
         kind = self.kind if "kind" in self.model_fields_set else usual
         return ExcitationSetting(kind, **self.model_dump(exclude={"kind"}))
 
 
-class AnalyserIn(Wire):
-    """Settings of the analyser; `n_lines` counts 0 Hz."""
+UNKNOWN_EXCITATION = ExcitationIn(shape="unknown")
 
+
+class AnalyserIn(Wire):
+    """Settings of the analyser: `n_lines` from `frequency_min` to `frequency_max`, both counted."""
+
+    frequency_min: Annotated[Number, Limits(0.0, 1e6)] = _DEFAULT.frequency_min
+    """Hz, frequency of the first line; a multiple of the line spacing wherever records are simulated"""
     frequency_max: Annotated[Number, Limits(1e-3, 1e6)] = _DEFAULT.frequency_max
-    """Hz, frequency of the last line"""
-    n_lines: Annotated[Count, Limits(8, 20001)] = _DEFAULT.n_lines
-    """number of lines, 0 Hz counted"""
+    """Hz, frequency of the last line, up to which the source drives"""
+    n_lines: Annotated[Count, Limits(8, 1_000_000)] = _DEFAULT.n_lines
+    """number of lines, the first and the last counted"""
     window: WindowName = _DEFAULT.window
     """window of the records"""
-    averages: Annotated[Count, Limits(1, 100_000)] = _DEFAULT.averages
-    """number of averages"""
+    averages: Annotated[Count, Limits(1, 100_000)] | None = None
+    """number of averages; null: unknown, estimated from an uploaded test, 100 of a simulated one"""
     overlap: Annotated[Number, Limits(0.0, 0.9)] = _DEFAULT.overlap
     """1, share of a record that overlaps the one before"""
     estimator: EstimatorName = _DEFAULT.estimator
@@ -52,8 +64,8 @@ class AnalyserIn(Wire):
     """resolution of the converter; null: ideal"""
     range_factor: Annotated[Number, Limits(0.5, 100.0)] = _DEFAULT.range_factor
     """1, full scale over the rms of each channel, where there are bits"""
-    excitation: ExcitationIn = ExcitationIn()
-    """signal of the source"""
+    excitation: ExcitationIn | None = None
+    """signal of the source; null: its spectrum is unknown, of a simulated test flat, 1 N"""
     coupling: Literal["dc", "ac"] = _DEFAULT.coupling
     """coupling of all inputs"""
     coupling_frequency: Annotated[Number, Limits(0.0, 1e4)] = _DEFAULT.coupling_frequency
@@ -76,6 +88,7 @@ class AnalyserIn(Wire):
         WINDOWS[self.window]
         ESTIMATORS[self.estimator]
         return Analyser(
+            frequency_min=self.frequency_min,
             frequency_max=self.frequency_max,
             n_lines=self.n_lines,
             window=self.window,
@@ -84,7 +97,7 @@ class AnalyserIn(Wire):
             estimator=self.estimator,
             bits=self.bits,
             range_factor=self.range_factor,
-            excitation=self.excitation.to_domain(usual),
+            excitation=(self.excitation or UNKNOWN_EXCITATION).to_domain(usual),
             coupling=self.coupling,
             coupling_frequency=self.coupling_frequency,
             mass_cancellation=self.mass_cancellation,

@@ -4,13 +4,15 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from modallab.api.schema import Limits
+from modallab.api.schema import Limits, NamedByPattern
 from modallab.api.wire import Fraction, NonNegative, Number, Translation, Wire
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
-from modallab.rig.hardware import Accelerometers, Coil, Exciter, ForceTransducer, Noise
+from modallab.rig.hardware import Accelerometers, Coil, Exciter, ForceTransducer, Noise, NoiseDensity
 from modallab.rig.stinger import Stinger, StingerRod, StingerStiffness
 from modallab.rig.suspension import Suspension
+
+Density = Annotated[Number, Limits(0.0, 1e12)]
 
 
 class CoilIn(Wire):
@@ -141,17 +143,35 @@ class AccelerometersIn(Wire):
         )
 
 
-class NoiseIn(Wire):
-    """Noise as a ratio to the mean of each channel's noise-free spectrum."""
+class NoiseDensityIn(Wire):
+    """White noise by its absolute spectrum."""
 
-    force: Annotated[Number, Limits(0.0, 10.0)] = 0.0
-    """1, noise over the mean of the force spectrum"""
-    response: Annotated[Number, Limits(0.0, 10.0)] = 0.0
-    """1, noise over the mean of the response spectrum"""
+    psd: Density | Annotated[dict[Translation, Density], NamedByPattern()]
+    """unit^2/Hz, N^2/Hz or (m/s^2)^2/Hz: one value, or one for each channel by its degree of freedom"""
+
+    def to_domain(self) -> NoiseDensity:
+        """Return the noise."""
+        return NoiseDensity(self.psd)
+
+
+class NoiseIn(Wire):
+    """Noise: a ratio to the mean of each channel's noise-free spectrum, or an absolute spectrum.
+
+    A simulated test has none where it is unknown.
+    """
+
+    force: Annotated[Number, Limits(0.0, 10.0)] | NoiseDensityIn | None = None
+    """1, noise over the mean of the force spectrum, or its density; null: unknown"""
+    response: Annotated[Number, Limits(0.0, 10.0)] | NoiseDensityIn | None = None
+    """1, noise over the mean of the response spectrum, or its density; null: unknown"""
 
     def to_domain(self) -> Noise:
         """Return the noise."""
-        return Noise(self.force, self.response)
+        return Noise(_level(self.force), _level(self.response))
+
+
+def _level(level: float | NoiseDensityIn | None) -> float | NoiseDensity | None:
+    return level.to_domain() if isinstance(level, NoiseDensityIn) else level
 
 
 class SuspensionIn(Wire):

@@ -42,9 +42,9 @@ class RigIn(Wire):
     accelerometers: AccelerometersIn | None = None
     """accelerometers; null: without mass and ideal"""
     analyser: AnalyserIn | None = None
-    """settings of the FFT analyser; null: 800 Hz, 401 lines, 100 averages, H1"""
+    """settings of the FFT analyser; null: 800 Hz, 401 lines, H1"""
     noise: NoiseIn | None = None
-    """noise of the channels; null: none"""
+    """noise of the channels; null: unknown, of a simulated test none"""
     suspension: SuspensionIn | None = None
     """suspension of the structure; null: it floats"""
     effects: Effects = ()
@@ -66,13 +66,14 @@ class RigIn(Wire):
             effects=tuple(effect.to_domain().spec for effect in self.effects),
         )
         check_compatible(setup)
+        setup.check_noise_channels()
         values = len(setup.responses) * len(setup.drives) * setup.analyser.n_lines
-        if values > REQUEST.test_values:
+        if values > REQUEST.rig_values:
             raise InvalidInputError(
                 "lines times responses are too many",
                 field="n_lines",
                 value=values,
-                allowed=bounds(maximum=REQUEST.test_values),
+                allowed=bounds(maximum=REQUEST.rig_values),
             )
         return setup
 

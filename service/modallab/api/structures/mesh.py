@@ -1,10 +1,13 @@
 """Wire types of a mesh's description."""
 
+from typing import Annotated
+
 from pydantic import Field, TypeAdapter, ValidationError
 
 from modallab.api.faults import wrong_json
 from modallab.api.limits import REQUEST
-from modallab.api.structures.schemas import Directions, MaterialIn, SectionIn
+from modallab.api.schema import NamedByPattern
+from modallab.api.structures.parts import Directions, MaterialIn, SectionIn
 from modallab.api.wire import Number, Positive, Text, Wire
 from modallab.interchange.mesh.description import HeldGroup, MeshBar, MeshDescription, MeshPlate
 
@@ -67,7 +70,9 @@ class HeldIn(Wire):
 class MeshIn(Wire):
     """What a mesh does not say, by the names of its groups."""
 
-    groups: dict[Text, BarsIn | PlatesIn] = Field(min_length=1, max_length=REQUEST.mesh_groups)
+    groups: Annotated[dict[Text, BarsIn | PlatesIn], NamedByPattern()] = Field(
+        min_length=1, max_length=REQUEST.mesh_groups
+    )
     supports: list[HeldIn] = Field([], max_length=REQUEST.mesh_groups)
     left_out: list[Text] = Field(
         [],

@@ -17,11 +17,12 @@ from modallab.api.modal_models.schemas import SyntheticIn
 from modallab.api.reductions import ReducedQuery, check_size, reduction_in
 from modallab.api.shelves import add_routes
 from modallab.api.structures.changes import ChangesIn
+from modallab.api.structures.damping import damping_of
 from modallab.api.structures.expansions import ExpansionIn
 from modallab.api.structures.frf import FrfQuery
 from modallab.api.structures.mesh import mesh_of
 from modallab.api.structures.replies import ModesReply, StructureReply, modes_reply, structure_reply
-from modallab.api.structures.schemas import StructureIn, damping_of
+from modallab.api.structures.schemas import StructureIn
 from modallab.api.wire import Text
 from modallab.fe.changes import change
 from modallab.fe.expansion import expand

@@ -3,189 +3,34 @@
 from dataclasses import replace
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, TypeAdapter, ValidationError
+from pydantic import Field
 
-from modallab.api.faults import wrong_json
 from modallab.api.limits import REQUEST
 from modallab.api.names import CatalogueName
-from modallab.api.schema import Limits, NamedByPattern
-from modallab.api.wire import (
-    NO_CONVERSION,
-    Count,
-    DofText,
-    Effects,
-    NodeNumber,
-    NonNegative,
-    Number,
-    Positive,
-    Text,
-    Wire,
+from modallab.api.schema import NamedByPattern
+from modallab.api.structures.damping import DampingOrWord, StructuralIn
+from modallab.api.structures.parts import (
+    GroundSpringIn,
+    MaterialIn,
+    MemberIn,
+    PointMassIn,
+    SectionIn,
+    SupportIn,
 )
+from modallab.api.wire import NO_CONVERSION, Effects, Number, Positive, Text, Wire
 from modallab.core.dof import Dof
 from modallab.core.errors import StructureError, bounds
 from modallab.fe.beam import beam
 from modallab.fe.catalogued import STRUCTURES
-from modallab.fe.damping import Damping, ModalDamping, StructuralDamping, ViscousDamping
 from modallab.fe.plate import Edge, Holding, plate
-from modallab.fe.settings import INPUT
-from modallab.fe.structure import (
-    GroundSpringElement,
-    Material,
-    Member,
-    PointMass,
-    Section,
-    Structure,
-    Support,
-)
+from modallab.fe.structure import GroundSpringElement, Member, PointMass, Structure, Support
 
 ElementCount = Annotated[int, Field(ge=1, le=REQUEST.described_items), NO_CONVERSION]
 
 
-ShearCoefficient = Annotated[Number, Limits(INPUT.min_shear_coefficient, INPUT.max_shear_coefficient)]
-
-
-class SectionIn(Wire):
-    """A cross-section: m^2, m^4, and the share of the area that shears."""
-
-    area: Positive
-    """m^2, area"""
-    second_moment: Positive
-    """m^4, second moment of area"""
-    shear_coefficient: Annotated[Number, Limits(INPUT.min_shear_coefficient, INPUT.max_shear_coefficient)] = (
-        5 / 6
-    )
-    """1, share of the area that carries shear"""
-
-    def to_domain(self, name: str = "") -> Section:
-        """Return the section."""
-        return Section(self.area, self.second_moment, name, self.shear_coefficient)
-
-
-class MaterialIn(Wire):
-    """A material: N/m^2, kg/m^3."""
-
-    modulus: Positive
-    """N/m^2, modulus of elasticity"""
-    density: Positive
-    """kg/m^3, density"""
-    poisson_ratio: Annotated[Number, Limits(INPUT.min_poisson_ratio, INPUT.max_poisson_ratio)] = 0.3
-    """1, Poisson ratio"""
-
-    def to_domain(self, name: str = "") -> Material:
-        """Return the material."""
-        return Material(self.modulus, self.density, name, self.poisson_ratio)
-
-
-DampingCoefficient = Annotated[Number, Limits(0.0, INPUT.max_damping)]
-
-
-class StructuralIn(Wire):
-    """D = a M + b K."""
-
-    law: Literal["structural"]
-    """`structural`: hysteretic damping"""
-    stiffness_coefficient: DampingCoefficient = 0.0
-    """1, b of D = a M + b K"""
-    mass_coefficient: DampingCoefficient = 0.0
-    """(rad/s)^2, a of D = a M + b K"""
-
-    def to_domain(self) -> Damping:
-        """Return the damping law."""
-        return StructuralDamping(self.stiffness_coefficient, self.mass_coefficient)
-
-
-class ViscousIn(Wire):
-    """C = a M + b K."""
-
-    law: Literal["viscous"]
-    """`viscous`: proportional viscous damping"""
-    stiffness_coefficient: DampingCoefficient = 0.0
-    """s, b of C = a M + b K"""
-    mass_coefficient: DampingCoefficient = 0.0
-    """1/s, a of C = a M + b K"""
-
-    def to_domain(self) -> Damping:
-        """Return the damping law."""
-        return ViscousDamping(self.stiffness_coefficient, self.mass_coefficient)
-
-
-Ratios = DampingCoefficient | Annotated[list[DampingCoefficient], Field(min_length=1, max_length=1000)]
-
-
-class ModalIn(Wire):
-    """Loss factors or damping ratios of the elastic modes: one for all, or a list from the lowest."""
-
-    law: Literal["modal"]
-    """`modal`: damping mode by mode"""
-    loss_factors: Ratios | None = None
-    """1, loss factors, one for all elastic modes or a list from the lowest; give these or `damping_ratios`"""
-    damping_ratios: Ratios | None = None
-    """1, viscous damping ratios, one for all elastic modes or a list from the lowest"""
-
-    def to_domain(self) -> Damping:
-        """Return the damping law."""
-        if (self.loss_factors is None) == (self.damping_ratios is None):
-            raise StructureError(
-                "modal damping takes loss factors or damping ratios",
-                field="damping",
-                allowed="one of loss_factors, damping_ratios",
-            )
-        given, scale = (self.damping_ratios, 2.0) if self.loss_factors is None else (self.loss_factors, 1.0)
-        values = given if isinstance(given, list) else [given]
-        return ModalDamping(tuple(scale * value for value in values if value is not None))
-
-
-DampingIn = Annotated[StructuralIn | ViscousIn | ModalIn, Field(discriminator="law")]
-
-
-def damping_of(text: str) -> Damping:
-    """Return the damping law that a form's field writes as JSON.
-
-    Raises
-    ------
-    InvalidInputError
-        If it is none.
-    """
-    adapter: TypeAdapter[StructuralIn | ViscousIn | ModalIn] = TypeAdapter(DampingIn)
-    try:
-        return adapter.validate_json(text).to_domain()
-    except ValidationError as error:
-        raise wrong_json(error, adapter, text, "damping") from None
-
-
-Directions = Annotated[list[Literal["X", "Y", "Z", "RX", "RY", "RZ"]], Field(min_length=1, max_length=6)]
-
-
-class SupportIn(Wire):
-    """Directions of a node that are held."""
-
-    node: NodeNumber
-    """number of the node"""
-    directions: Directions
-    """directions held"""
-
-
-class PointMassIn(Wire):
-    """A mass, kg, at a node."""
-
-    node: NodeNumber
-    """number of the node"""
-    mass: NonNegative
-    """kg, mass"""
-
-
-class GroundSpringIn(Wire):
-    """A spring from a DoF to the ground: N/m, or N m for a rotation."""
-
-    dof: DofText
-    """degree of freedom that the spring holds"""
-    stiffness: NonNegative
-    """N/m, or N m/rad of a rotation"""
-
-
 class _Described(Wire):
-    damping: DampingIn = StructuralIn(law="structural")
-    """damping law; left out: undamped"""
+    damping: DampingOrWord = StructuralIn(law="structural")
+    """damping law; `unknown` for short of that law; left out: undamped"""
     supports: list[SupportIn] = Field([], max_length=REQUEST.described_items)
     """supports, none if left out"""
     masses: list[PointMassIn] = Field([], max_length=REQUEST.described_items)
@@ -250,19 +95,6 @@ class BeamIn(_OfBars):
         return self._with_effects(plain)
 
 
-class MemberIn(Wire):
-    """A member between two nodes, of a named section and material."""
-
-    number: NodeNumber
-    """number of the member"""
-    nodes: tuple[Count, Count]
-    """numbers of its two nodes"""
-    section: Text
-    """name of its section"""
-    material: Text
-    """name of its material"""
-
-
 class PlateIn(_Described):
     """A flat rectangular plate in X and Y, moving along Z; nodes row by row from 0, 0."""
 
@@ -312,9 +144,9 @@ class FrameIn(_OfBars):
     """`frame`"""
     nodes: Annotated[dict[NodeKey, Coordinates], NamedByPattern()] = Field(max_length=REQUEST.described_items)
     """m, X and Y of each node by its number"""
-    sections: dict[Text, SectionIn] = Field(max_length=REQUEST.described_items)
+    sections: Annotated[dict[Text, SectionIn], NamedByPattern()] = Field(max_length=REQUEST.described_items)
     """cross-sections by name"""
-    materials: dict[Text, MaterialIn] = Field(max_length=REQUEST.described_items)
+    materials: Annotated[dict[Text, MaterialIn], NamedByPattern()] = Field(max_length=REQUEST.described_items)
     """materials by name"""
     members: list[MemberIn] = Field(max_length=REQUEST.described_items)
     """bars between the nodes"""

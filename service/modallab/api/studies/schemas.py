@@ -8,7 +8,7 @@ from modallab.api.deps import Id
 from modallab.api.derived import OptionsByMethod
 from modallab.api.limits import REQUEST
 from modallab.api.modal_models.schemas import Dofs, ModeNoiseIn, distinct
-from modallab.api.schema import OneOf
+from modallab.api.schema import NamedByPattern, OneOf
 from modallab.api.updates.parameterisation import Macros, ParameterisationIn, Parts
 from modallab.api.updates.schemas import UPDATE_BODIES, coefficient_options, refuse
 from modallab.api.wire import ModeCount, Number, Seed, Text, Wire
@@ -66,7 +66,7 @@ class StudyStart(Wire):
     levels: Annotated[list[Text | LevelIn], Field(min_length=1, max_length=50)] = Field(
         default=list(NOISE_LEVELS), description="NL1 to NL4 of the 1992 thesis, or noise by its size"
     )
-    divisions: Annotated[dict[Text, Macros], Field(min_length=1, max_length=50)] = Field(
+    divisions: Annotated[dict[Text, Macros], NamedByPattern(), Field(min_length=1, max_length=50)] = Field(
         default={"each": "each"}, description="macro elements by a name: as `macros` of an update"
     )
     seeds: Annotated[list[Seed], Field(min_length=1, max_length=STUDY.max_runs)] = Field(

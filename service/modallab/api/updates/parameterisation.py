@@ -4,6 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from modallab.api.schema import NamedByPattern
 from modallab.api.wire import NO_CONVERSION, Count, Number, Text, Wire
 from modallab.fe.structure import Structure
 from modallab.updating.method_options import parts_of
@@ -79,7 +80,7 @@ class ParameterisationIn(Wire):
         "second_moment of bars, thickness of plates; left out: mass and stiffness, of a method of complex "
         "modes damping too; none, with an empty list",
     )
-    attached: dict[Text, Literal["each"] | NodeGroups] = Field(
+    attached: Annotated[dict[Text, Literal["each"] | NodeGroups], NamedByPattern()] = Field(
         default={},
         max_length=len(Part),
         description="what nodes carry beside their members, by nodes: point_mass, ground_spring_x to "

@@ -19,6 +19,7 @@ IterationReply: Any = reply(Iteration, "Iteration", max_change=(float, "Largest 
 PosteriorReply: Any = reply(
     PosteriorSample,
     "PosteriorSample",
+    leave_out=("macros",),  # each coefficient names its own
     n_draws=(int, "Number of draws."),
     coefficients=(replies_of(SampledCoefficient), "Marginal distribution of each free coefficient."),
 )
@@ -39,7 +40,7 @@ _COEFFICIENTS: dict[str, tuple[Any, str]] = {
 IterativeReply = stored_reply(
     UpdateResult,
     "IterativeUpdate",
-    leave_out=("responses",),
+    leave_out=("structure", "responses"),
     kind=(Literal["iterative"], "Update on modes: coefficients are corrected by iteration."),
     frequencies=(_BY_STAGE, "Hz, natural frequencies (n_modes,): `measured`, `before`, `location`, `after`."),
     mac=(_BY_STAGE, "MAC of paired modes (n_modes,): `before`, `location`, `after`."),
@@ -48,7 +49,7 @@ IterativeReply = stored_reply(
 ResponseBasedReply = stored_reply(
     UpdateResult,
     "ResponseBasedUpdate",
-    leave_out=("mac",),
+    leave_out=("structure", "mac"),
     kind=(Literal["response_based"], "Update on FRFs: coefficients are corrected by iteration."),
     frequencies=(_BY_STAGE, "Hz, natural frequencies of the model: `before`, `location`, `after`."),
     responses=(ResponseFitReply, "Agreement with the measured FRFs."),
@@ -57,6 +58,7 @@ ResponseBasedReply = stored_reply(
 DirectReply = stored_reply(
     DirectResult,
     "DirectUpdate",
+    leave_out=("modes",),  # told as `n_modes`, `frequencies` and `mac`
     kind=(Literal["direct"], "Direct method: matrices are corrected, or their errors located, in one step."),
     converged=(bool, "True if there is an updated model with the measured modes."),
     stopped_because=_STOPPED,

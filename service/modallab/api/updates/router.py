@@ -67,7 +67,8 @@ def start_update(
     if body.modal_model_id is not None:
         store.modal_models.check(body.modal_model_id)
     if body.measurement_id is not None:
-        check_responses(structure, store.measurements.get(body.measurement_id), body.noise_floor)
+        measurement = store.measurements.get(body.measurement_id)
+        check_responses(structure, measurement, body.noise_floor, body.lines)
     return job_reply(jobs.submit(UPDATE.name, arguments, owner=owner))
 
 

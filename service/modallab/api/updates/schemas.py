@@ -3,7 +3,7 @@
 from collections.abc import Set
 from typing import Annotated, Any, cast
 
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from modallab.api.deps import Id
 from modallab.api.derived import OptionsByMethod, body_of, options_from, refuse_foreign
@@ -12,6 +12,7 @@ from modallab.api.schema import OneOf
 from modallab.api.updates.parameterisation import ParameterisationIn
 from modallab.api.wire import NoiseFloor, Text, Wire
 from modallab.core.errors import InvalidInputError
+from modallab.core.line_options import LineOptions
 from modallab.fe.structure import Structure
 from modallab.jobs.updating import UpdateInputs, UpdateRequest
 from modallab.updating.direct.method import DIRECT_METHODS, EXPANSION, DirectOptions
@@ -71,8 +72,10 @@ def refuse(fields: Set[str], of: str) -> None:
         raise InvalidInputError(f"{name} is no option of {of}", field=name, value=name, allowed="left out")
 
 
-class UpdateStart(Wire):
+class UpdateStart(body_of(LineOptions)):  # type: ignore[misc]
     """A model to be corrected until its modes, or its frequency responses, are the measured ones."""
+
+    model_config = ConfigDict(use_attribute_docstrings=True)
 
     structure_id: Id
     """model that is corrected"""
@@ -107,12 +110,18 @@ class UpdateStart(Wire):
             return inputs, UpdateRequest(self.method, direct_options(self.options))
         options = coefficient_options(self.method, self.options)
         parameterisation = self.parameterisation.to_domain(structure, self.method)
-        return inputs, UpdateRequest(self.method, options, parameterisation, self.noise_floor)
+        return inputs, UpdateRequest(self.method, options, parameterisation, self.noise_floor, self.lines)
+
+    @property
+    def lines(self) -> LineOptions:
+        """The lines of measured FRFs that count."""
+        return options_from(LineOptions, self)
 
     def _inputs(self) -> UpdateInputs:
         """Return the ids of the model and of what was measured."""
         modes = {"modal_model_id": self.modal_model_id}
-        responses = {"measurement_id": self.measurement_id, "noise_floor": self.noise_floor}
+        lines = {"bands": self.lines.bands, "exclude": self.lines.exclude or None}
+        responses = {"measurement_id": self.measurement_id, "noise_floor": self.noise_floor, **lines}
         on_responses = self.method in RESPONSE_UPDATERS
         required, unused = (responses, modes) if on_responses else (modes, responses)
         refuse({name for name, value in unused.items() if value is not None}, self.method)

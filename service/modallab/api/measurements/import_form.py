@@ -1,0 +1,146 @@
+"""Form of an import: the files of a test, and what they do not say."""
+
+from dataclasses import dataclass
+from typing import Annotated, Any, TypeVar
+
+from fastapi import Depends, File, Form, UploadFile
+from pydantic import TypeAdapter, ValidationError
+
+from modallab.api.deps import Id
+from modallab.api.names import WindowName
+from modallab.api.wire import Translation
+from modallab.core.errors import InvalidInputError
+from modallab.core.frf import FrfKind
+from modallab.interchange.declared import DeclaredTest, ExciterKind
+from modallab.interchange.reading_options import ColumnName, ReadingOptions
+from modallab.interchange.settings import READING
+
+_T = TypeVar("_T")
+_JSON = {"contentMediaType": "application/json"}
+_SCALE: TypeAdapter[float | dict[str, float]] = TypeAdapter(float | dict[str, float])
+_NAMES: TypeAdapter[dict[str, str]] = TypeAdapter(dict[str, str])
+_COLUMNS: TypeAdapter[dict[str, ColumnName | list[ColumnName]]] = TypeAdapter(
+    dict[str, ColumnName | list[ColumnName]]
+)
+
+UploadedFiles = Annotated[
+    list[UploadFile],
+    File(
+        description="universal file (58), npz, HDF5, MATLAB, delimited text, FRF text, or a zip; several "
+        "files of one test, each with some of its FRFs",
+        min_length=1,
+        max_length=READING.max_files,
+    ),
+]
+
+
+@dataclass(frozen=True)
+class ImportForm:
+    """Fields of an import beside its files."""
+
+    rig_id: str | None
+    """Rig of the test; None: as the files tell, and as declared."""
+    options: ReadingOptions
+    """What the files do not say."""
+    declared: DeclaredTest
+    """What is known of the test beside its files."""
+
+
+def import_form(
+    rig_id: Annotated[
+        Id | None, Form(description="the log book of the test; by default what the file itself tells of it")
+    ] = None,
+    unit: Annotated[
+        str | None, Form(max_length=40, description="of the FRFs in the file: `g/N`, `(m/s^2)/lbf`, `mm/s/N`")
+    ] = None,
+    scale: Annotated[
+        str | None,
+        Form(
+            description="factor to `unit`, or else to SI, JSON: `9.81`, or "
+            '`{"response": 9.81, "force": 4.448}`',
+            json_schema_extra=_JSON,
+        ),
+    ] = None,
+    kind: Annotated[
+        FrfKind | None, Form(description="of the FRFs, where neither the file nor `unit` tells it")
+    ] = None,
+    names: Annotated[
+        str | None,
+        Form(
+            alias="map",
+            description='DoFs of named points, JSON: `{"wing_tip": "12:+Z"}`',
+            json_schema_extra=_JSON,
+        ),
+    ] = None,
+    outputs: Annotated[
+        list[Translation] | None, Form(description="response DoFs in the order of the file, `1:+Z`; repeated")
+    ] = None,
+    inputs: Annotated[
+        list[Translation] | None, Form(description="force DoFs in the order of the file, `1:+Z`; repeated")
+    ] = None,
+    columns: Annotated[
+        str | None,
+        Form(
+            description='columns of text by role, JSON: `{"freq": 1, "real": "Re", "imag": "Im"}`',
+            json_schema_extra=_JSON,
+        ),
+    ] = None,
+    variables: Annotated[
+        str | None,
+        Form(
+            description='variables of MATLAB, HDF5 or npz by role, JSON: `{"freq": "f", "values": "frf"}`',
+            json_schema_extra=_JSON,
+        ),
+    ] = None,
+    averages: Annotated[
+        float | None,
+        Form(
+            ge=1,
+            le=READING.max_stated_averages,
+            description="effective averages; by default the file's, or else the rig's",
+        ),
+    ] = None,
+    exciter: Annotated[
+        ExciterKind | None, Form(description="`shaker` or `hammer`, of a test without a rig")
+    ] = None,
+    window: Annotated[WindowName | None, Form(description="window of a test without a rig")] = None,
+) -> ImportForm:
+    """Return the fields of an import beside its files."""
+    stated = {
+        "unit": unit,
+        "scale": _parsed(scale, "scale", _SCALE),
+        "kind": kind,
+        "map": _parsed(names, "map", _NAMES),
+        "outputs": tuple(outputs or ()),
+        "inputs": tuple(inputs or ()),
+        "columns": _parsed(columns, "columns", _COLUMNS),
+        "variables": _parsed(variables, "variables", _NAMES),
+    }
+    given: dict[str, Any] = {name: value for name, value in stated.items() if value is not None}
+    return ImportForm(rig_id, ReadingOptions(**given), DeclaredTest(averages, exciter, window))
+
+
+def _parsed(text: str | None, field: str, expected: TypeAdapter[_T]) -> _T | None:
+    """Return a field that is JSON in a form.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is no JSON of the form expected.
+    """
+    try:
+        return None if text is None else expected.validate_json(text)
+    except ValidationError as error:
+        message = error.errors()[0]["msg"]
+        raise InvalidInputError(
+            f"{field} is not as expected: {message}", field=field, value=text, allowed=_ALLOWED[field]
+        ) from None
+
+
+_ALLOWED = {
+    "scale": '9.81, or {"response": 9.81, "force": 4.448}',
+    "map": '{"wing_tip": "12:+Z"}',
+    "columns": '{"freq": 1, "real": "Re", "imag": "Im"}',
+    "variables": '{"freq": "f", "values": "frf"}',
+}
+ImportFormDep = Annotated[ImportForm, Depends(import_form)]
