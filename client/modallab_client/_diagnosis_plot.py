@@ -12,7 +12,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-    from modallab_client.results import Diagnosis, DiagnosisCurves, Step
+    from modallab_client.methods.diagnoses import FrfCurves
+    from modallab_client.results import Diagnosis, Step
 
 COLOURS = ("#eef0f4", "#fee3a8", "#fdb158", "#e4572e", "#7a1022")
 DOTS: dict[str, Any] = {
@@ -75,16 +76,16 @@ def _plain(value: float | None) -> str:
     return f"{value:,.0f}" if value >= 100 else f"{value:.3g}"
 
 
-def residual(curves: "DiagnosisCurves", predicted: ComplexArray) -> FloatArray:
-    """Return |ln(measured / predicted)| (n_freq, n_out) in random errors; 0 where there is no logarithm."""
-    measured, model = curves.measured[:, :, 0], predicted[:, :, 0]
+def residual(curves: "FrfCurves", predicted: ComplexArray) -> FloatArray:
+    """Return |ln(measured / predicted)| (n_freq, n_frf) in random errors; 0 where there is no logarithm."""
+    measured, model = curves.measured, predicted
     good = (np.abs(measured) > 0) & (np.abs(model) > 0) & (curves.freq > 0)[:, None]
     ratio = np.log(np.where(good, measured, 1.0) / np.where(good, model, 1.0))
-    return np.asarray(np.abs(ratio) / (np.sqrt(2) * curves.random_error[:, :, 0]))
+    return np.asarray(np.abs(ratio) / (np.sqrt(2) * curves.random_error))
 
 
-def difference_map(axes: "Axes", curves: "DiagnosisCurves") -> None:
-    """Draw the difference between measurement and prediction as given, by response and frequency."""
+def difference_map(axes: "Axes", curves: "FrfCurves") -> None:
+    """Draw the difference between measurement and prediction as given, by FRF and frequency."""
     from matplotlib.colors import BoundaryNorm, ListedColormap
 
     difference = residual(curves, curves.before)
@@ -104,14 +105,14 @@ def difference_map(axes: "Axes", curves: "DiagnosisCurves") -> None:
     step = -(-len(curves.outputs) // 20)
     names = [
         f"{name} *" if is_held_out else name
-        for name, is_held_out in zip(curves.outputs, curves.held_out, strict=True)
+        for name, is_held_out in zip(curves.names, curves.held_out, strict=True)
     ]
     axes.set_yticks(range(0, len(names), step), names[::step])
     axes.invert_yaxis()
     axes.set(xlabel="frequency, Hz", title="prediction as given (*: held out of every fit)")
 
 
-def clearest(curves: "DiagnosisCurves") -> "tuple[int, NDArray[np.int64]]":
+def clearest(curves: "FrfCurves") -> "tuple[int, NDArray[np.int64]]":
     """Return the response and the lines where the prediction as given is clearly off; else all lines.
 
     A response that took no part in the fits is preferred: there the prediction is put to the test.
@@ -136,17 +137,17 @@ def clearest(curves: "DiagnosisCurves") -> "tuple[int, NDArray[np.int64]]":
     return output, np.arange(first, min(last + 1, len(line)))
 
 
-def enlarged(magnitude_axes: "Axes", phase_axes: "Axes", curves: "DiagnosisCurves", *, added: bool) -> None:
+def enlarged(magnitude_axes: "Axes", phase_axes: "Axes", curves: "FrfCurves", *, added: bool) -> None:
     """Draw magnitude and phase of one response where the prediction as given is clearly off.
 
     A difference that such curves do not show is drawn as a ratio instead, over all lines.
     """
     i, lines = clearest(curves)
     suffix = ", held out of every fit" if curves.held_out[i] else ""
-    magnitude_axes.set_title(f"response {curves.outputs[i]} / {curves.inputs[0]}{suffix}")
+    magnitude_axes.set_title(f"response {curves.outputs[i]} / {curves.inputs[i]}{suffix}")
     difference = residual(curves, curves.before)[lines, i]
-    log_ratio = np.log(np.abs(curves.measured[lines, i, 0] / curves.before[lines, i, 0]))
-    phase_difference = np.angle(curves.measured[lines, i, 0] / curves.before[lines, i, 0])
+    log_ratio = np.log(np.abs(curves.measured[lines, i] / curves.before[lines, i]))
+    phase_difference = np.angle(curves.measured[lines, i] / curves.before[lines, i])
     if (
         difference.max() > DIAGNOSIS_PLOT.significant
         and np.hypot(log_ratio, phase_difference).max() < DIAGNOSIS_PLOT.visible_difference
@@ -166,18 +167,18 @@ def _styles(added: bool) -> list[tuple[str, str, str]]:
 def _curves(
     magnitude_axes: "Axes",
     phase_axes: "Axes",
-    curves: "DiagnosisCurves",
+    curves: "FrfCurves",
     i: int,
     lines: "NDArray[np.int64]",
     *,
     added: bool,
 ) -> None:
-    freq, error = curves.freq[lines], curves.random_error[lines, i, 0]
+    freq, error = curves.freq[lines], curves.random_error[lines, i]
     for name, style, label in _styles(added):
-        values = getattr(curves, name)[lines, i, 0]
+        values = getattr(curves, name)[lines, i]
         magnitude_axes.plot(freq, np.abs(values), style, label=label)
         phase_axes.plot(freq, _unjumped(np.degrees(np.angle(values))), style, label=label)
-    measured = curves.measured[lines, i, 0]
+    measured = curves.measured[lines, i]
     magnitude_axes.errorbar(
         freq, np.abs(measured), yerr=np.minimum(2 * error, 0.9) * np.abs(measured), **DOTS
     )
@@ -188,21 +189,19 @@ def _curves(
     )
 
 
-def _ratio(
-    magnitude_axes: "Axes", phase_axes: "Axes", curves: "DiagnosisCurves", i: int, *, added: bool
-) -> None:
-    error = curves.random_error[:, i, 0]
-    sizes = np.minimum(np.abs(curves.measured[:, i, 0]), np.abs(curves.before[:, i, 0]))
+def _ratio(magnitude_axes: "Axes", phase_axes: "Axes", curves: "FrfCurves", i: int, *, added: bool) -> None:
+    error = curves.random_error[:, i]
+    sizes = np.minimum(np.abs(curves.measured[:, i]), np.abs(curves.before[:, i]))
     good = np.flatnonzero((curves.freq > 0) & (sizes > 0))
     good = good[
         error[good] <= DIAGNOSIS_PLOT.largest_error * np.median(error[good])
     ]  # the error bars of others would hide all
-    freq, reference = curves.freq[good], curves.before[good, i, 0]
+    freq, reference = curves.freq[good], curves.before[good, i]
     for name, style, label in _styles(added):
-        ratio = getattr(curves, name)[good, i, 0] / reference
+        ratio = getattr(curves, name)[good, i] / reference
         magnitude_axes.plot(freq, 100 * (np.abs(ratio) - 1), style, label=label, zorder=4)
         phase_axes.plot(freq, np.degrees(np.angle(ratio)), style, label=label, zorder=4)
-    ratio = curves.measured[good, i, 0] / reference
+    ratio = curves.measured[good, i] / reference
     dots = {**DOTS, "ecolor": "0.7"}
     magnitude_axes.errorbar(freq, 100 * (np.abs(ratio) - 1), yerr=200 * error[good], **dots)
     phase_axes.errorbar(freq, np.degrees(np.angle(ratio)), yerr=np.degrees(2 * error[good]), **dots)

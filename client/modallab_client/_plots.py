@@ -234,21 +234,23 @@ def diagnosis(result: "Diagnosis") -> "tuple[Axes, ...]":
     figure, grid = pyplot.subplots(2, 2, figsize=(11, 7), layout="constrained")
     figure.suptitle(parts.heading(result))
     parts.gap_by_step(grid[0, 0], result)
-    parts.difference_map(grid[0, 1], result.curves)
-    parts.enlarged(grid[1, 0], grid[1, 1], result.curves, added=bool(result.steps))
+    frfs = result.curves.by_frf()
+    parts.difference_map(grid[0, 1], frfs)
+    parts.enlarged(grid[1, 0], grid[1, 1], frfs, added=bool(result.steps))
     return tuple(grid.flat)
 
 
-def curves(frfs: "DiagnosisCurves", output: str) -> "Axes":
-    """Draw one response of a diagnosis to its first input; return the axes."""
+def curves(all_curves: "DiagnosisCurves", output: str, drive: str) -> "Axes":
+    """Draw one response of a diagnosis to the force at one drive point; return the axes."""
     _, axes = _pyplot().subplots(layout="constrained")
-    i = frfs.outputs.index(output)
+    frfs = all_curves.by_frf()
+    i = list(zip(frfs.outputs, frfs.inputs, strict=True)).index((output, drive))
     positive = frfs.freq > 0  # at rest there is rounding and nothing else
     for name, style in (("measured", "k-"), ("before", "C1-"), ("after", "C0--")):
-        size = np.abs(getattr(frfs, name)[positive, i, 0])
+        size = np.abs(getattr(frfs, name)[positive, i])
         axes.semilogy(frfs.freq[positive], size, style, label=name, linewidth=0.9)
     suffix = ", held out of every fit" if frfs.held_out[i] else ""
     axes.set(xlabel="frequency, Hz", ylabel="|inertance|, m/(s² N)")
-    axes.set_title(f"response {output} / {frfs.inputs[0]}{suffix}")
+    axes.set_title(f"response {output} / {drive}{suffix}")
     axes.legend()
     return axes  # type: ignore[no-any-return]

@@ -49,22 +49,14 @@ def _hints(cls: Hashable) -> dict[str, Any]:
 
 
 def _absent(name: str, hint: Any) -> Any:
-    """Return the default of a field that the reply of another version lacks."""
+    """Return the value of a field that an earlier service did not have: null or an empty collection."""
     origin = get_origin(hint)
     if type(None) in get_args(hint):
         return None
     if origin is tuple:
         return ()
-    if origin is not None and isinstance(origin, type) and issubclass(origin, Mapping):
+    if isinstance(origin, type) and issubclass(origin, Mapping):
         return {}
-    if is_dataclass(hint):
-        nested: Any = hint
-        try:
-            return read_as(nested, {})
-        except KeyError:
-            return None
-    if hint is str or origin is Literal:
-        return ""
     raise KeyError(name)
 
 

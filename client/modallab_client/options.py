@@ -97,6 +97,10 @@ class UpdateOptions(TypedDict, total=False):
 class DiagnosisOptions(TypedDict, total=False):
     """Options of a diagnosis."""
 
+    exclude: Sequence[Sequence[float]]
+    # bands, lower and upper end, whose lines are left out, Hz
+    bands: Sequence[Sequence[float]] | None
+    # bands, lower and upper end, whose lines alone count; null: all lines, Hz
     suspects: Sequence[str] | str
     # kinds of effects to look for
     hold_out: Mapping[str, Any]

@@ -78,7 +78,8 @@ from modallab_client._generated.models import (
 )
 from modallab_client.methods.diagnoses import DiagnosisCurves
 from modallab_client.methods.studies import StudyCoefficients
-from modallab_client.methods.updates import Covariance, PosteriorDraws, Update, UpdatedMatrices
+from modallab_client.methods.update_arrays import Covariance, PosteriorDraws, UpdatedMatrices
+from modallab_client.methods.updates import Update
 
 __all__ = [
     "Accelerometers",

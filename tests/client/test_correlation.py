@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from typing import Any
 
+import httpx
 import numpy as np
 import pytest
 from matplotlib import pyplot
@@ -10,7 +11,7 @@ from matplotlib import pyplot
 from modallab_client import ModalLab, errors
 from modallab_client.methods.correlations import correlation_of
 from modallab_client.results import Correlation
-from tests.client.fake import MODE, FakeService, npz
+from tests.client.fake import MODE, FakeService, completed, npz
 
 REPLY: dict[str, Any] = {
     "id": "c1",
@@ -52,7 +53,7 @@ def _off_screen() -> Iterator[None]:
 
 
 def correlation() -> Correlation:
-    return correlation_of(REPLY, {"fdac_freq": FREQ, "fdac": FDAC})
+    return correlation_of(completed(Correlation, REPLY), {"fdac_freq": FREQ, "fdac": FDAC})
 
 
 def test_a_correlation_in_full_is_asked_for_by_keywords(lab: ModalLab, service: FakeService) -> None:
@@ -91,7 +92,7 @@ def test_without_frfs_no_arrays_are_asked_for(lab: ModalLab, service: FakeServic
 
 
 def test_a_reply_that_is_none_is_said_to_be(lab: ModalLab, service: FakeService) -> None:
-    service.on("POST /v1/correlations", {"pairs": []})
+    service.on("POST /v1/correlations", httpx.Response(200, json={"pairs": []}))
     with pytest.raises(errors.UnexpectedReplyError, match="mac"):
         lab.correlations.create("mm1", "s1")
 
@@ -150,7 +151,7 @@ def test_orthogonality_is_drawn_twice_and_only_if_there_is_any() -> None:
     np.testing.assert_array_equal(left.images[0].get_array(), REPLY["orthogonality"]["cross"])
     np.testing.assert_array_equal(right.images[0].get_array(), REPLY["orthogonality"]["auto"])
     with pytest.raises(ValueError, match="without a reduction"):
-        correlation_of({**REPLY, "orthogonality": None}, None).plot_orthogonality()
+        correlation_of(completed(Correlation, REPLY | {"orthogonality": None}), None).plot_orthogonality()
 
 
 def test_lines_are_drawn_with_their_ridge_and_frfs_as_bars() -> None:

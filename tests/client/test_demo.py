@@ -11,6 +11,7 @@ from modallab_client._read import read_as
 from modallab_client.demo import hidden, thesis
 from modallab_client.demo.__main__ import main
 from modallab_client.demo.comparison import ComparisonTable, Line
+from tests.client.fake import completed
 
 
 def found(*effects: dict[str, Any], alike: tuple[dict[str, Any], ...] = ()) -> results.Diagnosis:
@@ -22,7 +23,7 @@ def found(*effects: dict[str, Any], alike: tuple[dict[str, Any], ...] = ()) -> r
     ]
     reply = {"id": "d", "verdict": "explained", "steps": steps, "remaining_gap": 1.0}
     entry = {"created": "", "version": "", "structure_id": "s", "rig_id": "r"}
-    return read_as(results.Diagnosis, reply | entry)
+    return read_as(results.Diagnosis, completed(results.Diagnosis, reply | entry))
 
 
 def effect(kind: str, at: str | None, **parameters: dict[str, Any]) -> dict[str, Any]:

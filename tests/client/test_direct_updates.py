@@ -7,8 +7,8 @@ from matplotlib.patches import Rectangle
 
 from modallab_client import ModalLab
 from modallab_client.methods.updates import update_of
-from modallab_client.results import ErrorLocation
-from tests.client.fake import UPDATE, FakeService, npz
+from modallab_client.results import DirectUpdate, ErrorLocation
+from tests.client.fake import UPDATE, FakeService, completed, npz
 
 STORED = {name: UPDATE[name] for name in ("id", "stopped_because", "frequencies")}
 DIRECT: dict[str, Any] = STORED | {
@@ -43,20 +43,20 @@ def test_a_direct_update_is_asked_by_keywords_and_its_matrices_come_apart(
 
 
 def test_what_it_cost_is_read() -> None:
-    update = update_of(DIRECT)
+    update = update_of(completed(DirectUpdate, DIRECT))
     assert update.structure_id is None
     assert update.direct is not None
     assert update.direct.connectivity_loss == {"stiffness": 0.85}
     assert update.direct.other_modes is not None
     np.testing.assert_array_equal(update.direct.other_modes.after, [8.0])
     assert [item.dof for item in update.direct.dof_errors["stiffness"]] == ["2:+Y", "1:+Y"]
-    found = update_of(DIRECT | {"other_modes": None, "reproduced": None}).direct
+    found = update_of(completed(DirectUpdate, DIRECT | {"other_modes": None, "reproduced": None})).direct
     assert found is not None
     assert found.other_modes is None
 
 
 def test_errors_by_dof_show_themselves() -> None:
-    update = update_of(DIRECT)
+    update = update_of(completed(DirectUpdate, DIRECT))
     assert "2:+Y" in update.table()
     assert "<th>relative error</th>" in update._repr_html_()
     drawn = update.plot().lines
@@ -77,7 +77,7 @@ LOCATED: dict[str, Any] = STORED | {
 
 
 def test_suspects_of_one_step_are_read_and_shown() -> None:
-    update = update_of(LOCATED)
+    update = update_of(completed(ErrorLocation, LOCATED))
     assert isinstance(update, ErrorLocation)
     assert update.suspected == {"stiffness": (11,)}
     np.testing.assert_array_equal(update.remaining, [0.1])

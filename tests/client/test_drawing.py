@@ -20,11 +20,12 @@ from modallab_client.results import (
     DiagnosisCurves,
     FittedParameter,
     Measurement,
+    ModalModel,
     StructureModes,
 )
-from tests.client.fake import DIAGNOSIS, MEASUREMENT, MODE, UPDATE
+from tests.client.fake import DIAGNOSIS, MEASUREMENT, MODE, UPDATE, completed
 
-MODEL = {"id": "mm1", "modes": [MODE], "method": "dobson", "dofs": ["1:+Y", "3:+Y"]}
+MODEL = completed(ModalModel, {"id": "mm1", "modes": [MODE], "method": "dobson", "dofs": ["1:+Y", "3:+Y"]})
 SHAPES = {"shapes": np.ones((2, 1))}
 
 
@@ -36,7 +37,10 @@ def _off_screen() -> Iterator[None]:
 
 
 def measurement() -> Measurement:
-    return measurement_of({"id": "m<1>"}, {name: np.asarray(value) for name, value in MEASUREMENT.items()})
+    return measurement_of(
+        completed(Measurement, {"id": "m<1>"}),
+        {name: np.asarray(value) for name, value in MEASUREMENT.items()},
+    )
 
 
 def test_a_measurement_shows_magnitude_over_coherence() -> None:
@@ -142,7 +146,9 @@ def test_modes_coefficients_and_mac_draw_themselves() -> None:
     ends = [bar.get_y() + bar.get_height() for bar in bars.patches if isinstance(bar, Rectangle)]
     np.testing.assert_allclose(ends, [2.0, 2.0, 1.99])  # 1 + (x - 1) rounds in the last digit
     reply = {"mac": [[1.0, 0.1]], "pairs": [[1, 1]], "frequency_differences": [0.0], "comac": [1.0]}
-    np.testing.assert_array_equal(read_as(Correlation, reply).plot().images[0].get_array(), [[1.0, 0.1]])
+    np.testing.assert_array_equal(
+        read_as(Correlation, completed(Correlation, reply)).plot().images[0].get_array(), [[1.0, 0.1]]
+    )
 
 
 def resonances() -> DiagnosisCurves:
@@ -179,9 +185,8 @@ def test_tables_are_escaped_for_the_notebook() -> None:
     assert "<td>extra mass at 7:+Y: mass 0.05000 ± 0.00040 kg</td>" in diagnosed
     assert "<th>coefficient</th>" in update_of(UPDATE)._repr_html_()
     assert "dobson" in modal_model_of(MODEL, SHAPES)._repr_html_()
-    modes = read_as(
-        StructureModes, {"id": "s1", "frequencies": [1.0], "loss_factors": [0.1], "n_rigid_body": 2}
-    )
+    given = {"id": "s1", "frequencies": [1.0], "loss_factors": [0.1], "n_rigid_body": 2}
+    modes = read_as(StructureModes, completed(StructureModes, given))
     assert "2 rigid-body modes" in modes._repr_html_()
     assert (
         repr(measurement()) == "Measurement('m<1>', inertance, 2 outputs x 1 inputs, 3 lines from 0 to 4 Hz)"

@@ -12,7 +12,7 @@ from modallab_client import ModalLab
 from modallab_client.methods.extraction import fit_of
 from modallab_client.methods.measurements import measurement_of
 from modallab_client.results import Measurement
-from tests.client.fake import MEASUREMENT, MODE, FakeService, npz
+from tests.client.fake import MEASUREMENT, MODE, FakeService, completed, npz
 
 FREQ = np.linspace(90.0, 110.0, 21)
 LOSS, AT = 0.04, 100.5
@@ -266,7 +266,9 @@ def test_modal_constants_of_two_tests_are_compared(lab: ModalLab, service: FakeS
 
 
 def measured() -> Measurement:
-    return measurement_of({"id": "m1"}, {name: np.asarray(value) for name, value in MEASUREMENT.items()})
+    return measurement_of(
+        completed(Measurement, {"id": "m1"}), {name: np.asarray(value) for name, value in MEASUREMENT.items()}
+    )
 
 
 def test_made_frfs_are_drawn_before_the_measured_ones(lab: ModalLab, service: FakeService) -> None:
@@ -285,4 +287,4 @@ def test_made_frfs_are_drawn_before_the_measured_ones(lab: ModalLab, service: Fa
 
 def _of_kind(kind: str) -> Measurement:
     arrays = {name: np.asarray(value) for name, value in MEASUREMENT.items()}
-    return measurement_of({"id": "m1"}, arrays | {"kind": np.array(kind)})
+    return measurement_of(completed(Measurement, {"id": "m1"}), arrays | {"kind": np.array(kind)})

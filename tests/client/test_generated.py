@@ -78,6 +78,9 @@ def test_member_numbers_are_numbers_and_pairs_are_complex() -> None:
     np.testing.assert_array_equal(read.poles, [1 + 2j])
 
 
-def test_a_number_that_is_missing_is_refused_by_name() -> None:
-    with pytest.raises(KeyError, match="constant"):
-        read_as(Reply, {"part": {"kind": "first", "value": 1}})
+@pytest.mark.parametrize("missing", ["part", "constant"])
+def test_a_part_that_is_missing_is_refused_by_name(missing: str) -> None:
+    reply = {"part": {"kind": "first", "value": 1}, "constant": [0, 0]}
+    del reply[missing]
+    with pytest.raises(KeyError, match=missing):
+        read_as(Reply, reply)

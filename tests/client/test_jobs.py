@@ -9,13 +9,14 @@ import pytest
 
 from modallab_client import AsyncModalLab, Job, JobFailedError, JobTimeoutError, ModalLab, errors
 from modallab_client._sync import jobs
-from modallab_client.results import Measurement
+from modallab_client.results import JobStatus, Measurement
 from modallab_client.settings import CONNECTION
-from tests.client.fake import MEASUREMENT, FakeService, events, npz, problem
+from tests.client.fake import MEASUREMENT, FakeService, completed, events, npz, problem
 
 
 def state(name: str, fraction: float = 0.0, message: str = "", **more: Any) -> dict[str, Any]:
-    return {"id": "j1", "state": name, "fraction": fraction, "message": message, **more}
+    given = {"id": "j1", "state": name, "fraction": fraction, "message": message, **more}
+    return completed(JobStatus, given)
 
 
 DONE = state("succeeded", 1.0, "done", result_id="m1", error=None)

@@ -4,6 +4,7 @@ from typing import Any
 
 from modallab_client._read import read_as
 from modallab_client.results import Diagnosis
+from tests.client.fake import completed
 
 SHIFT = {
     "mode": 2,
@@ -15,6 +16,7 @@ SHIFT = {
 }
 MISFIT = {
     "dof": "5:+Y",
+    "drive": None,
     "gap": 176.0,
     "amplitude": 1.1,
     "amplitude_error": 1e-4,
@@ -42,7 +44,7 @@ FOUND: dict[str, Any] = {
 
 
 def test_shifts_misfits_and_signs_are_read() -> None:
-    located = read_as(Diagnosis, FOUND).located
+    located = read_as(Diagnosis, completed(Diagnosis, FOUND)).located
     assert located.signs == ("one_response",)
     assert [vars(shift) for shift in located.mode_shifts] == [SHIFT]
     assert [vars(misfit) for misfit in located.responses] == [MISFIT]
@@ -51,6 +53,6 @@ def test_shifts_misfits_and_signs_are_read() -> None:
 
 def test_an_older_service_that_says_less_is_read_too() -> None:
     said = {"located": {"bands": [[22.0, 24.0]], "dofs": [], "modes": [1]}}
-    located = read_as(Diagnosis, FOUND | said).located
+    located = read_as(Diagnosis, completed(Diagnosis, FOUND) | said).located
     assert (located.bands, located.modes) == (((22.0, 24.0),), (1,))
     assert (located.signs, located.mode_shifts, located.level_dependence) == ((), (), None)

@@ -10,8 +10,8 @@ import pytest
 
 from modallab_client import ModalLab
 from modallab_client.errors import UnexpectedReplyError
-from modallab_client.results import EffectSpec, Exciter, FollowUpTest, IterativeUpdate
-from tests.client.fake import DIAGNOSIS, MEASUREMENT, MODE, UPDATE, FakeService, events, npz
+from modallab_client.results import CatalogueEntry, EffectSpec, Exciter, FollowUpTest, IterativeUpdate
+from tests.client.fake import DIAGNOSIS, MEASUREMENT, MODE, UPDATE, FakeService, completed, events, npz
 
 STRUCTURE = {"id": "s1", "n_nodes": 21, "n_dofs": 42, "members": 20, "created_at": "later"}
 EXCITER: dict[str, Any] = {
@@ -288,8 +288,9 @@ def test_a_diagnosis_reads_as_it_is_written_in_the_contract(lab: ModalLab, servi
 def test_the_catalogue_lists_what_can_be_chosen(lab: ModalLab, service: FakeService) -> None:
     mass = {"kind": "parameter", "unit": "kg", "lower": 0, "upper": 1.0, "absent": 0.0, "doc": "mass"}
     entry = {"kind": "extra_mass", "summary": "s", "parameters": {"mass": mass}}
-    service.on("GET /v1/catalog/effects", httpx.Response(200, json=[entry]))
-    service.on("GET /v1/catalog/extraction-methods", httpx.Response(200, json=[{"kind": "dobson"}]))
+    effect, method = (completed(CatalogueEntry, given) for given in (entry, {"kind": "dobson"}))
+    service.on("GET /v1/catalog/effects", httpx.Response(200, json=[effect]))
+    service.on("GET /v1/catalog/extraction-methods", httpx.Response(200, json=[method]))
     assert lab.catalog.effects()[0].parameters["mass"].unit == "kg"
     assert lab.catalog.extraction_methods()[0].kind == "dobson"
 

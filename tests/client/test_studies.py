@@ -10,7 +10,7 @@ from matplotlib import pyplot
 from modallab_client import ModalLab
 from modallab_client._read import read_as
 from modallab_client.results import Study
-from tests.client.fake import FakeService, npz
+from tests.client.fake import FakeService, completed, npz
 
 CELL = {
     "level": "NL1",
@@ -105,7 +105,7 @@ def test_a_study_and_its_coefficients_are_read(lab: ModalLab, service: FakeServi
 
 
 def test_a_table_has_a_row_for_every_level_and_division() -> None:
-    study = read_as(Study, STUDY)
+    study = read_as(Study, completed(Study, STUDY))
     head, one, other = study.table().splitlines()
     assert head.split()[:4] == ["level", "division", "runs", "failed"]
     assert one.split() == ["NL1", "each", "2", "0", "100%", "0.5", "0", "0.002", "1e-05", "2e-05", "95.0%"]
@@ -114,7 +114,7 @@ def test_a_table_has_a_row_for_every_level_and_division() -> None:
 
 
 def test_errors_suspects_and_coverage_are_drawn_by_level() -> None:
-    axes = read_as(Study, STUDY).plot()
+    axes = read_as(Study, completed(Study, STUDY)).plot()
     assert [tick.get_text() for tick in axes[2].get_xticklabels()] == ["NL1", "NL3"]
     # nothing was made at the second level
     np.testing.assert_array_equal(axes[0].lines[0].get_ydata(), [0.0, np.nan])

@@ -1,5 +1,6 @@
 from modallab_client._read import read_as
 from modallab_client.results import Diagnosis
+from tests.client.fake import DIAGNOSIS, completed
 
 
 def test_what_a_number_that_may_differ_came_to_is_read() -> None:
@@ -14,7 +15,7 @@ def test_what_a_number_that_may_differ_came_to_is_read() -> None:
             loss | {"standard_error": None, "tolerance": 0.2},
         ],
     }
-    first, second = read_as(Diagnosis, reply).tolerated
+    first, second = read_as(Diagnosis, completed(Diagnosis, reply)).tolerated
     assert (first.name, first.at, first.value, first.standard_error) == ("delay", delay["at"], -1e-6, 1e-8)
     assert (second.mode, second.tolerance, second.standard_error) == (3, 0.2, None)
-    assert read_as(Diagnosis, {"id": "d2", "verdict": "explained", "steps": []}).tolerated == ()
+    assert read_as(Diagnosis, DIAGNOSIS).tolerated == ()

@@ -5,8 +5,10 @@ import asyncio
 import httpx
 import pytest
 
-from modallab_client import AsyncModalLab, ClientError, ModalLab, errors
-from tests.client.fake import FakeService, problem
+from modallab_client import AsyncModalLab, ClientError, ModalLab, errors, results
+from tests.client.fake import FakeService, completed, problem
+
+RIG = completed(results.Rig, {"id": "r1"})
 
 
 def test_the_key_and_the_body_arrive_as_given(lab: ModalLab, service: FakeService) -> None:
@@ -68,7 +70,9 @@ def test_a_refusal_that_is_no_problem_document_keeps_its_words(lab: ModalLab, se
 
 
 def test_a_reply_without_a_promised_field_says_which(lab: ModalLab, service: FakeService) -> None:
-    service.on("POST /v1/structures", {"id": "s1", "n_nodes": 21, "n_dofs": 42})
+    incomplete = completed(results.Structure, {"id": "s1"})
+    del incomplete["members"]
+    service.on("POST /v1/structures", httpx.Response(201, json=incomplete))
     with pytest.raises(errors.UnexpectedReplyError, match="'members'"):
         lab.structures.catalogue("chapter-5-beam")
 
@@ -77,7 +81,7 @@ def test_a_get_is_asked_again_when_the_connection_breaks(lab: ModalLab, service:
     def broken(request: httpx.Request) -> httpx.Response:
         raise httpx.ReadError("connection reset", request=request)
 
-    service.on("GET /v1/rigs/r1", broken, httpx.Response(502), httpx.Response(200, json={"id": "r1"}))
+    service.on("GET /v1/rigs/r1", broken, httpx.Response(502), httpx.Response(200, json=RIG))
     assert lab.rigs.get("r1").id == "r1"
     assert service.asked("GET /v1/rigs/r1") == 3
 
@@ -98,7 +102,7 @@ def test_a_post_is_never_sent_twice_when_the_connection_breaks(lab: ModalLab, se
 def test_a_full_queue_is_waited_for_as_long_as_it_says(lab: ModalLab, service: FakeService) -> None:
     full = problem(503, "busy", "the queue is full")
     full.headers["retry-after"] = "0"
-    service.on("POST /v1/rigs", full, full, httpx.Response(201, json={"id": "r1"}))
+    service.on("POST /v1/rigs", full, full, httpx.Response(201, json=RIG))
     assert lab.rigs.create(drive="1:+Y", responses=["1:+Y"]).id == "r1"
     service.on("POST /v1/rigs", full)
     with pytest.raises(errors.BusyError):

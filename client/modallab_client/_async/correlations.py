@@ -1,6 +1,6 @@
 """Correlations: how modes and FRFs of a test and of a model agree."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from modallab_client import _wire
@@ -22,6 +22,8 @@ class AsyncCorrelations(AsyncShelf):
         count: int | None = None,
         reduction: str | Mapping[str, Any] | None = None,
         measurement_id: str | None = None,
+        bands: Sequence[Sequence[float]] | None = None,
+        exclude: Sequence[Sequence[float]] = (),
     ) -> Correlation:
         """Return the correlation of measured modes, and measured FRFs, with those of a model.
 
@@ -36,9 +38,12 @@ class AsyncCorrelations(AsyncShelf):
             `lab.catalog.reductions()`, or `{"kind": "serep", "parameters": {"modes": 8}}`.
         measurement_id
             FRFs to be held against the model's: FRAC and FDAC.
+        bands, exclude
+            Pairs (lower, upper) in Hz of FRFs whose lines alone count, or are left out.
         """
         body = _wire.body(modal_model_id=modal_model_id, structure_id=structure_id, count=count)
         body |= _wire.body(reduction=reduction, measurement_id=measurement_id)
+        body |= _wire.body(bands=bands, exclude=exclude or None)
         return await self._read(await self._transport.request("POST", self.path, json=body))
 
     async def get(self, correlation_id: str) -> Correlation:

@@ -6,16 +6,15 @@ from typing import Any, Unpack
 from modallab_client import _wire
 from modallab_client._async.jobs import AsyncJob
 from modallab_client._async.shelf import AsyncShelf
-from modallab_client.methods.updates import (
+from modallab_client.methods.update_arrays import (
     Covariance,
     PosteriorDraws,
-    Update,
     UpdatedMatrices,
     covariance_of,
     draws_of,
     matrices_of,
-    update_of,
 )
+from modallab_client.methods.updates import Update, update_of
 from modallab_client.options import UpdateOptions
 
 
@@ -31,6 +30,8 @@ class AsyncUpdates(AsyncShelf):
         *,
         measurement_id: str | None = None,
         noise_floor: float | None = None,
+        bands: Sequence[Sequence[float]] | None = None,
+        exclude: Sequence[Sequence[float]] = (),
         method: str = "inverse_eigensensitivity",
         macros: str | Mapping[str, Any] | Sequence[str | Sequence[int]] | None = None,
         parts: Sequence[str] | None = None,
@@ -49,6 +50,8 @@ class AsyncUpdates(AsyncShelf):
         measurement_id, noise_floor
             In place of modes, for a method that takes FRFs, as `frf_residual`: the measurement, and the
             relative random error of every FRF beside what its coherence tells.
+        bands, exclude
+            Pairs (lower, upper) in Hz of FRFs whose lines alone count, or are left out.
         method
             One of `lab.catalog.updating_methods()`.
         macros
@@ -75,6 +78,7 @@ class AsyncUpdates(AsyncShelf):
         body |= _wire.body(
             modal_model_id=modal_model_id, measurement_id=measurement_id, noise_floor=noise_floor
         )
+        body |= _wire.body(bands=bands, exclude=exclude or None)
         body["structure_id"] = structure_id
         job = await self._transport.request("POST", self.path, json=body)
         return AsyncJob(job["id"], self._transport, self.get)

@@ -259,7 +259,7 @@ ChannelError = Literal["gain", "polarity", "delay", "rising_gain"]
 
 @dataclass(frozen=True, kw_only=True)
 class ResponseMisfit:
-    """Deviation of the FRF of one response, averaged over all lines, with standard errors."""
+    """Deviation of one FRF, averaged over all lines, with standard errors."""
 
     amplitude: float | None
     """Amplitude ratio, measured over predicted."""
@@ -273,8 +273,10 @@ class ResponseMisfit:
     """s, standard error of `delay`."""
     dof: str
     """Measured DoF of the response."""
+    drive: str | None
+    """DoF of the force; null: in results of earlier versions, which had one drive point."""
     gap: float | None
-    """Mean squared residual of the response."""
+    """Mean squared residual of the FRF."""
     phase: float | None
     """rad, phase, measured minus predicted."""
     phase_error: float | None
@@ -299,7 +301,7 @@ class Localisation:
     bands: tuple[tuple[float, float], ...]
     """Hz, lower and upper limits of the frequency bands that disagree."""
     dofs: tuple[str, ...]
-    """Responses that disagree most."""
+    """Responses that disagree most; with a roving hammer struck points too."""
     level_dependence: float | None
     """Mean squared normalised difference of FRFs at two force levels; null: one level only."""
     mode_shifts: tuple[ModeShift, ...]
@@ -307,7 +309,7 @@ class Localisation:
     modes: tuple[int, ...]
     """Elastic modes of the model, counted from 1, in the bands that disagree."""
     responses: tuple[ResponseMisfit, ...]
-    """Deviation of each response."""
+    """Deviation of each FRF."""
     signs: tuple[GapPattern, ...]
     """Patterns that point to a class of causes."""
     words: tuple[str, ...]
@@ -461,6 +463,18 @@ class Health:
     """`ok`"""
 
 
+@dataclass(frozen=True, kw_only=True)
+class Assumption:
+    """One assumption about an imported test."""
+
+    quantity: str
+    """Assumed quantity: averages, unit, window, exciter, points, variables, columns, ..."""
+    reason: str
+    """Reason for the assumption, and what to declare instead."""
+    value: str
+    """Assumed value, in words."""
+
+
 FrfKind = Literal["receptance", "mobility", "inertance"]
 
 
@@ -490,13 +504,15 @@ class ExcitationSetting:
 
     angle_scatter: float
     """rad, standard deviation of a blow's tilt to either side."""
+    band: tuple[float, float] | None
+    """Hz, lowest and highest frequency that the source drives; null: the whole band of the analyser."""
     burst: float
     """1, share of the record in which the source plays."""
     hammer_mass: float
     """kg, of the hammer's head."""
     kind: str
     """Kind of signal."""
-    level: float
+    level: float | None
     """N, rms of the source, flat over the band."""
     level_scatter: float
     """1, standard deviation of the logarithm of a blow's size."""
@@ -504,6 +520,8 @@ class ExcitationSetting:
     """m, standard deviation of a blow's place along the member."""
     pre_trigger: float
     """1, share of the record before the blow."""
+    shape: Literal["flat", "unknown"]
+    """Spectrum of the source over its band: `flat`, or `unknown`, which a diagnosis leaves free."""
     tip_stiffness: float
     """N/m, hammer's tip: rubber 1e6, steel 1e8."""
 
@@ -512,8 +530,8 @@ class ExcitationSetting:
 class Analyser:
     """Settings of the FFT analyser."""
 
-    averages: int
-    """1, number of averages."""
+    averages: int | None
+    """1, number of averages; null: unknown, of a simulated test 100."""
     bits: int | None
     """Resolution of the converter; null: ideal, without steps and limit."""
     coupling: Literal["dc", "ac"]
@@ -527,11 +545,13 @@ class Analyser:
     force_width: float
     """1, width of a force window over the record length."""
     frequency_max: float
-    """Hz, top of the band."""
+    """Hz, last line, and top of the band that the source drives."""
+    frequency_min: float
+    """Hz, first line; what lies below it was not kept."""
     mass_cancellation: float
     """kg, mass whose inertia is subtracted from the force."""
     n_lines: int
-    """lines, number of frequency lines with 0 Hz."""
+    """lines, number of frequency lines from the first to the last."""
     overlap: float
     """1, overlap of successive records over their length, 0 to 0.9."""
     range_factor: float
@@ -597,13 +617,21 @@ class ForceTransducer:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Noise:
-    """White noise as a ratio to the mean of the noise-free spectrum over the band."""
+class NoiseDensity:
+    """White noise by its absolute spectrum."""
 
-    force: float
-    """1, of the force channels."""
-    response: float
-    """1, of the response channels."""
+    psd: float | Mapping[str, float]
+    """unit^2/Hz, N^2/Hz of forces and (m/s^2)^2/Hz of responses: one value, or one a channel by its DoF."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Noise:
+    """White noise of the channels, a ratio to the mean noise-free spectrum of the band or a density. Of a simulated test unknown noise is none."""
+
+    force: float | NoiseDensity | None
+    """1 or a density, of the force channels; null: unknown."""
+    response: float | NoiseDensity | None
+    """1 or a density, of the response channels; null: unknown."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -676,12 +704,16 @@ class RigSetup:
 class Measurement(MeasurementMethods):
     """FRFs with coherence and auto spectra, and the rig as declared."""
 
+    assumed: tuple[Assumption, ...]
+    """Assumptions about an imported test that neither its file nor its log book states."""
     averages: float
     """1, effective number of independent averages."""
     created: str
     """time of creation, ISO 8601, UTC"""
     frequency_max: float
     """Hz, frequency of the last line."""
+    frequency_min: float
+    """Hz, frequency of the first line."""
     id: str
     """id of the stored object"""
     inputs: tuple[str, ...]
@@ -758,6 +790,8 @@ class Indicators(IndicatorsMethods):
 class MeasurementLog:
     """FRFs with coherence and auto spectra, and the rig as declared."""
 
+    assumed: tuple[Assumption, ...]
+    """Assumptions about an imported test that neither its file nor its log book states."""
     averages: float
     """1, effective number of independent averages."""
     created: str
@@ -820,6 +854,18 @@ class Truth:
     """Effects beside those of the structure and the rig."""
     structure_id: str
     """Structure that was tested."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DoubtfulMode:
+    """A pole of a global method that was not accepted as a mode."""
+
+    frequency: float
+    """Hz, natural frequency of the pole."""
+    loss_factor: float | None
+    """Loss factor of the pole; below 0 if the pole is unstable."""
+    reason: str
+    """Why the pole is not among the modes."""
 
 
 InconsistencyCause = Literal["roving_mass", "squared_shape", "steady_drift", "unknown"]
@@ -911,8 +957,12 @@ class ModalModel(ModalModelMethods):
     """time of creation, ISO 8601, UTC"""
     dofs: tuple[str, ...]
     """Degrees of freedom of the mode shapes."""
+    doubtful: tuple[DoubtfulMode, ...]
+    """Poles within the range that are not among the modes, each with the reason, in ascending frequency."""
     drive: str | None
     """DoF common to all FRFs; null where there is none, or several."""
+    exclude: tuple[tuple[float, float], ...]
+    """Hz, lower and upper end of bands whose lines were left out of the extraction."""
     frequency_inconsistency: FrequencyInconsistency | None
     """Frequency differences between the FRFs; null where they agree. `/arrays` has those of each FRF."""
     frfs: tuple[str, ...]
@@ -1134,8 +1184,12 @@ class ExpandedModalModel:
     """time of creation, ISO 8601, UTC"""
     dofs: tuple[str, ...]
     """Degrees of freedom of the mode shapes."""
+    doubtful: tuple[DoubtfulMode, ...]
+    """Poles within the range that are not among the modes, each with the reason, in ascending frequency."""
     drive: str | None
     """DoF common to all FRFs; null where there is none, or several."""
+    exclude: tuple[tuple[float, float], ...]
+    """Hz, lower and upper end of bands whose lines were left out of the extraction."""
     fit_residuals: tuple[float, ...]
     """By mode: norm of measured minus expanded shape over the measured norm."""
     frequency_inconsistency: FrequencyInconsistency | None
@@ -1471,6 +1525,8 @@ class Quantity(QuantityMethods):
     """Updated value."""
     before: float
     """Value of the model."""
+    change: float | None
+    """1, relative change: updated over original value, minus 1; null of a value that was 0."""
     interval: tuple[float, float] | None
     """95 % confidence interval by the data alone; null without an error estimate."""
     members: tuple[int, ...]

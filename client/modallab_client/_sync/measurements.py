@@ -19,6 +19,7 @@ from modallab_client.results import (
     ReciprocityCheck,
     Truth,
 )
+from modallab_client.uploads import UploadOptions, upload_files, upload_form
 
 JsonObject = Mapping[str, Any]
 
@@ -52,25 +53,34 @@ class Measurements(Shelf):
         return Job(job["id"], self._transport, self.get)
 
     def upload(
-        self, file: str | Path | bytes, rig_id: str | None = None, *, averages: float | None = None
+        self,
+        file: str | Path | bytes | Sequence[str | Path],
+        rig_id: str | None = None,
+        *,
+        averages: float | None = None,
+        **given: Unpack[UploadOptions],
     ) -> Measurement:
-        """Return a measurement from a universal (58), npz, HDF5 or `.FRF` file, by path or as bytes.
+        """Return a measurement from a file, or several files of one test, by path or as bytes.
 
         Parameters
         ----------
         file
-            Its content says which of them it is, not its name.
+            Universal (58), npz, HDF5, MATLAB, delimited text, `.FRF`, or a zip of such files: the content
+            says which of them it is, not its name.
         rig_id
             The log book of the test: drive, responses, analyser. Left out, it is made of what the file
             tells: points and lines, and records that do not leak.
         averages
             Effective averages, which text and universal files do not hold; by default the rig's.
+        given
+            What the files do not say: `unit`, `scale`, `kind`, `map`, `outputs`, `inputs`, `columns`,
+            `variables`, `exciter`, `window`. Their meaning: `modallab_client.uploads.UploadOptions`.
         """
-        content = file if isinstance(file, bytes) else Path(file).read_bytes()
-        name = "measurement" if isinstance(file, bytes) else Path(file).name
-        data = _wire.body(rig_id=rig_id, averages=None if averages is None else str(averages))
+        data = upload_form(given) | _wire.body(rig_id=rig_id)
+        if averages is not None:
+            data["averages"] = str(averages)
         reply = self._transport.request(
-            "POST", "/v1/measurements/import", files={"file": (name, content)}, data=data
+            "POST", "/v1/measurements/import", files=upload_files(file), data=data
         )
         return self.get(reply["id"])
 

@@ -34,6 +34,7 @@ class ModalModels(Shelf):
         *,
         method: str = "dobson",
         bands: str | Sequence[Sequence[float]] = "auto",
+        exclude: Sequence[Sequence[float]] = (),
         n_modes: int | None = None,
         correct_window_damping: bool = False,
         **options: Unpack[ExtractionOptions],
@@ -48,6 +49,8 @@ class ModalModels(Shelf):
             One of `lab.catalog.extraction_methods()`.
         bands
             `auto`, or one (lower, upper) in Hz for each mode; of a global method each with one or more.
+        exclude
+            Pairs (lower, upper) in Hz whose lines are left out.
         n_modes
             Modes wanted; left out: as many as show.
         correct_window_damping
@@ -60,6 +63,7 @@ class ModalModels(Shelf):
             measurement_id=measurement_id,
             method=method,
             bands=bands,
+            exclude=exclude or None,
             n_modes=n_modes,
             options=_wire.body(**options) or None,
             correct_window_damping=correct_window_damping or None,  # left out, it is not done

@@ -88,18 +88,19 @@ def _paths(history: tuple[Iteration, ...], part: str) -> Mapping[int, list[float
 
 def explained(axes: "Axes", curves: DiagnosisCurves) -> None:
     """Draw the clearest difference: measured lines of one response, predicted before and after."""
-    output, lines = _diagnosis_plot.clearest(curves)
+    frfs = curves.by_frf()
+    output, lines = _diagnosis_plot.clearest(frfs)
     styles = {
         "before": ("C1-", "predicted, effect not known"),
         "after": ("C0--", "predicted, effect added"),
         "measured": ("k.", "measured"),
     }
     for name, (style, label) in styles.items():
-        magnitude = np.abs(getattr(curves, name)[lines, output, 0])
-        axes.semilogy(curves.freq[lines], magnitude, style, linewidth=1.2, markersize=5, label=label)
+        magnitude = np.abs(getattr(frfs, name)[lines, output])
+        axes.semilogy(frfs.freq[lines], magnitude, style, linewidth=1.2, markersize=5, label=label)
     axes.set(xlabel="frequency, Hz", ylabel="|inertance|, m/(s² N)")
-    suffix = ", held out of every fit" if curves.held_out[output] else ""
-    axes.set_title(f"response {curves.outputs[output]}{suffix}")
+    suffix = ", held out of every fit" if frfs.held_out[output] else ""
+    axes.set_title(f"response {frfs.outputs[output]}{suffix}")
     axes.legend(fontsize="small")
 
 

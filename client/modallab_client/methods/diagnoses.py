@@ -18,6 +18,33 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
+class FrfCurves:
+    """The FRFs of a diagnosis side by side, of one drive point after the other."""
+
+    freq: FloatArray
+    """(n,) Hz"""
+    measured: ComplexArray
+    """(n, n_frf)"""
+    before: ComplexArray
+    after: ComplexArray
+    random_error: FloatArray
+    """of |H|, relative"""
+    held_out: "NDArray[np.bool_]"
+    """(n_frf,)"""
+    outputs: tuple[str, ...]
+    """response of each FRF"""
+    inputs: tuple[str, ...]
+    """drive point of each FRF"""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The responses; with several drive points response and drive point of each FRF."""
+        if len(set(self.inputs)) == 1:
+            return self.outputs
+        return tuple(f"{out} / {drive}" for out, drive in zip(self.outputs, self.inputs, strict=True))
+
+
+@dataclass(frozen=True, eq=False)
 class DiagnosisCurves:
     """The FRFs of a diagnosis: measured, predicted before and after what was added."""
 
@@ -30,16 +57,34 @@ class DiagnosisCurves:
     random_error: FloatArray
     """of |H|, relative"""
     held_out: "NDArray[np.bool_]"
-    """(n_out,)"""
+    """(n_out,), (n_out, n_in) with a roving hammer"""
     outputs: tuple[str, ...]
     inputs: tuple[str, ...]
     predicted: ComplexArray | None = None
     """(n, n_pred, n_in) at DoFs that were not measured"""
     predicted_outputs: tuple[str, ...] = ()
 
-    def plot(self, output: str | None = None) -> "Axes":
-        """Draw one response, by default the first: measured, before and after; return the axes."""
-        return _plots.curves(self, self.outputs[0] if output is None else output)
+    def by_frf(self) -> FrfCurves:
+        """Return the FRFs side by side."""
+        n_out, n_in = len(self.outputs), len(self.inputs)
+
+        def flat(array: "NDArray[Any]") -> "NDArray[Any]":
+            return array.swapaxes(1, 2).reshape(len(self.freq), -1)
+
+        return FrfCurves(
+            self.freq,
+            flat(self.measured),
+            flat(self.before),
+            flat(self.after),
+            flat(self.random_error),
+            self.held_out.T.ravel(),
+            self.outputs * n_in,
+            tuple(drive for drive in self.inputs for _ in range(n_out)),
+        )
+
+    def plot(self, output: str | None = None, drive: str | None = None) -> "Axes":
+        """Draw one FRF, by default the first: measured, before and after; return the axes."""
+        return _plots.curves(self, output or self.outputs[0], drive or self.inputs[0])
 
 
 class FittedParameterMethods:

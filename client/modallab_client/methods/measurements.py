@@ -121,5 +121,6 @@ def measurement_of(data: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) 
         kind=str(arrays["kind"]),
         averages=float(averages.reshape(-1)[0]) if averages.size else np.nan,
         n_lines=len(arrays["freq"]),
+        frequency_min=float(arrays["freq"][0]),
         frequency_max=float(arrays["freq"][-1]),
     )
