@@ -4,13 +4,15 @@
 averages the products of complex Gaussian pairs and forms H1 and coherence by hand. `printed` are the
 forms of first order in 1/n_d, 1992 thesis eq. [5.16] to [5.19].
 
-    python -m benchmarks.averaging_scatter
+    python -m benchmarks.averaging_scatter [tests]
 """
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
+from benchmarks.bench import Bench, count
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.estimation.coherence import coherence, coherence_error, frf_error
 from modallab.estimation.estimator import ESTIMATORS
@@ -80,23 +82,24 @@ def _scatter(h: ComplexArray, g2: FloatArray) -> Scatter:
     )
 
 
-def run() -> list[tuple[str, float, float]]:
+def run(n_tests: int = N_TESTS) -> list[tuple[str, float, float]]:
     """Return the largest difference of the draw from the simulation and from the printed forms."""
-    few = simulate_wishart(10, seed=1).errors / simulated(10, seed=2).errors
+    few = simulate_wishart(10, 1, n_tests).errors / simulated(10, 2, n_tests * N_LINES).errors
     rows = [("drawn against simulated scatter, n_d = 10: largest difference", few, 0.02)]
     for averages in (30, 100):
-        many = simulate_wishart(averages, seed=1).errors / printed(averages)
+        many = simulate_wishart(averages, 1, n_tests).errors / printed(averages)
         rows.append((f"drawn scatter against [5.16-5.19], n_d = {averages}: largest", many, 0.05))
     return [(name, float(np.abs(ratio - 1).max()), limit) for name, ratio, limit in rows]
 
 
 def main() -> None:
     """Print all scatters."""
+    n_tests = count(__doc__, N_TESTS)
     print("n_d  coherence  error of    printed   drawn     simulated  drawn/printed  drawn/simulated")
     for averages in (10, 30, 100):
         ours, sampled, form = (
-            simulate_wishart(averages, 1).errors,
-            simulated(averages, 2).errors,
+            simulate_wishart(averages, 1, n_tests).errors,
+            simulated(averages, 2, n_tests * N_LINES).errors,
             printed(averages),
         )
         for i, g2 in enumerate(COHERENCES):
@@ -106,6 +109,9 @@ def main() -> None:
                     f"{averages:3d}  {g2:<9g}  {name:10}  {c:.5f}   {a:.5f}   {b:.5f}"
                     f"    {100 * (a / c - 1):+6.2f} %       {100 * (a / b - 1):+6.2f} %"
                 )
+
+
+BENCH = Bench(run, short=partial(run, n_tests=50))
 
 
 if __name__ == "__main__":

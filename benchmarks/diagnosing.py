@@ -4,13 +4,13 @@
 The ratios of `make bench` are medians, and the longest of the beam, over what is allowed.
 """
 
-import sys
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from benchmarks.bench import Bench, parser
 from benchmarks.trial.rigs import LAW, free_beam
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members, Place
@@ -118,10 +118,12 @@ def seconds(name: str, case: Timed) -> float:
     return elapsed
 
 
-def run() -> list[tuple[str, float, float]]:
+def run(
+    beams: Mapping[str, Timed] | None = None, frames: Mapping[str, Timed] | None = None
+) -> list[tuple[str, float, float]]:
     """Return median and longest seconds over what is allowed, each limit 1."""
-    beam = [seconds(name, case) for name, case in beam_cases().items()]
-    frame = [seconds(name, case) for name, case in frame_cases().items()]
+    beam = [seconds(name, case) for name, case in (beam_cases() if beams is None else beams).items()]
+    frame = [seconds(name, case) for name, case in (frame_cases() if frames is None else frames).items()]
     of_beam, of_frame = float(np.median(beam)), float(np.median(frame))
     return [
         (f"diagnosis of the beam, median over {BEAM_MEDIAN:.0f} s", of_beam / BEAM_MEDIAN, 1.0),
@@ -130,12 +132,25 @@ def run() -> list[tuple[str, float, float]]:
     ]
 
 
-def main(names: Sequence[str]) -> None:
+def main() -> None:
     """Print what some cases take, or all."""
-    for name, case in {**beam_cases(), **frame_cases()}.items():
-        if not names or name in names:
-            seconds(name, case)
+    cases = {**beam_cases(), **frame_cases()}
+    arguments = parser(__doc__)
+    arguments.add_argument("names", nargs="*", metavar="name", help=f"of {', '.join(cases)}; default: all")
+    for name in arguments.parse_args().names or cases:
+        seconds(name, cases[name])
+
+
+def short() -> list[tuple[str, float, float]]:
+    """Return the same of one quick test, which stands for the frames too."""
+    mass = beam_cases()["beam-mass"]
+    setup = replace(mass.setup, analyser=replace(mass.setup.analyser, n_lines=101))
+    quick = {"beam-mass": replace(mass, setup=setup, suspects=("extra_mass",))}
+    return run(quick, quick)
+
+
+BENCH = Bench(run, short)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main()

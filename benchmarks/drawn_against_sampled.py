@@ -2,10 +2,15 @@
 
 z is the difference of a line's mean, or variance, between the two routes over its standard error; if
 both routes follow one law, z has standard deviation 1 over the lines.
+
+    python -m benchmarks.drawn_against_sampled [tests]
 """
+
+from functools import partial
 
 import numpy as np
 
+from benchmarks.bench import Bench, count
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.core.progress import silent
@@ -23,6 +28,7 @@ from modallab.rig.setup import RigSetup
 from modallab.rig.wishart import wishart_spectra
 
 TOLERANCE = 0.05
+N_TESTS = 1000
 
 
 def bench(excitation: str, window: str, n_lines: int, n_out: int, averages: int = 20) -> Chain:
@@ -74,12 +80,12 @@ def compare(whole: Chain, n_tests: int, seed: int) -> dict[str, FloatArray]:
     return comparison
 
 
-def run() -> list[tuple[str, float, float]]:
+def run(n_tests: int = N_TESTS, n_lines: int = 201) -> list[tuple[str, float, float]]:
     """Return how far the standard deviation of z is from 1, with independent records."""
-    comparison = compare(bench("periodic_random", "rectangular", n_lines=201, n_out=8), n_tests=1000, seed=1)
+    comparison = compare(bench("periodic_random", "rectangular", n_lines, n_out=8), n_tests, seed=1)
     return [
         (
-            f"drawn against sampled, 1,000 tests each: |SD of z - 1|, {name}",
+            f"drawn against sampled, {n_tests:,} tests each: |SD of z - 1|, {name}",
             float(abs(z.std() - 1)),
             TOLERANCE,
         )
@@ -89,19 +95,23 @@ def run() -> list[tuple[str, float, float]]:
 
 def main() -> None:
     """Print the figures: independent records, and stationary Hanning records with resonances apart."""
+    n_tests = count(__doc__, N_TESTS)
     for excitation, window in (("periodic_random", "rectangular"), ("random", "hann")):
         whole = bench(excitation, window, n_lines=201, n_out=8)
         poles, widths = whole.poles()
         freq = whole.setup.analyser.freq[1:]
         reach = 2 * whole.setup.analyser.spacing + 2 * widths
         near = (np.abs(freq[:, None] - poles[:, None, :]) < reach[:, None, :]).any(axis=2)
-        for name, z in compare(whole, n_tests=1000, seed=1).items():
+        for name, z in compare(whole, n_tests, seed=1).items():
             flat, at = z[~near], z[near]
             print(
                 f"{excitation:16} {window:12} {name:19} SD of z {z.std():.3f}, mean {z.mean():+.3f}; "
                 f"off resonances {flat.std():.3f}, {flat.mean():+.3f}; "
                 f"at them {at.std():.3f}, {at.mean():+.3f}"
             )
+
+
+BENCH = Bench(run, short=partial(run, n_tests=30, n_lines=11))
 
 
 if __name__ == "__main__":

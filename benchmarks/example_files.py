@@ -3,13 +3,12 @@
 Not part of `make bench`: the source distribution, 26 MB, is fetched from the package index once, and kept in
 the folder for temporary files.
 
-python -m benchmarks.example_files              # prints what each file is, and the modes of the one with FRFs
-python -m benchmarks.example_files plot.png     # and draws the FRFs, measured and made of the modes
+    python -m benchmarks.example_files              # what each file is, and the modes of the one with FRFs
+    python -m benchmarks.example_files plot.png     # draws the FRFs, measured and made of the modes
 """
 
 import hashlib
 import io
-import sys
 import tarfile
 import tempfile
 import time
@@ -19,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.bench import parser
 from modallab.core.errors import InvalidInputError
 from modallab.interchange.reading import read_measurement, read_modal_model
 from modallab_client import ModalLab, ModalModel
@@ -97,16 +97,19 @@ def report(files: dict[str, bytes], plot: Path | None) -> None:
         for method in METHODS:
             begun = time.perf_counter()
             models[method] = lab.modal_models.start(test.id, method=method).result()
-            errors = ", ".join(f"{100 * error:.2g}" for error in models[method].resynthesis_error.values())
+            left = models[method].resynthesis_error or {}
+            errors = ", ".join(f"{100 * error:.2g}" for error in left.values())
             print(
                 f"{method:<10} {time.perf_counter() - begun:5.1f} s, {errors} % of the FRFs left", flush=True
             )
-        print(models[METHODS[0]].notes[0])
+        print(*models[METHODS[0]].notes[:1])
         _table("natural frequency, Hz", models, lambda modes, n: f"{modes.frequencies[n]:10.3f}")
         _table("loss factor, 1e-3", models, lambda modes, n: f"{1e3 * modes.loss_factors[n]:10.4f}")
         if plot is not None:
             magnitude, _ = lab.modal_models.frf(models[METHODS[0]].id).plot(test)
-            magnitude.get_figure(root=True).savefig(plot)
+            figure = magnitude.get_figure(root=True)
+            assert figure is not None
+            figure.savefig(plot)
 
 
 def _table(head: str, models: dict[str, ModalModel], cell: Callable[[ModalModel, int], str]) -> None:
@@ -121,5 +124,15 @@ def _table(head: str, models: dict[str, ModalModel], cell: Callable[[ModalModel,
         print(f"mode {number + 1:<19}" + "".join(f"{text:>11}" for text in cells))
 
 
+def main() -> None:
+    """Print the table."""
+    arguments = parser(__doc__)
+    arguments.add_argument(
+        "plot", type=Path, nargs="?", help="picture of the FRFs, measured and resynthesised"
+    )
+    plot = arguments.parse_args().plot
+    report(examples(), plot)
+
+
 if __name__ == "__main__":
-    report(examples(), Path(sys.argv[1]) if len(sys.argv) > 1 else None)
+    main()

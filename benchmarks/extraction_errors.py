@@ -1,14 +1,18 @@
 """How often the 95 % intervals of extracted modes hold the truth, over 1,000 drawn tests of the beam.
 
-Run by itself it prints drawn tests through a Hann window too, without a limit: lines that are drawn one by
-one do not scatter as those of leaking records, which go together. Those are in `benchmarks.leaked_errors`.
+    python -m benchmarks.extraction_errors [tests]
+
+This prints drawn tests through a Hann window too, without a limit: lines that are drawn one by one do not
+scatter as those of leaking records, which go together. Those are in `benchmarks.leaked_errors`.
 """
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
+from benchmarks.bench import Bench, count
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.dof import Dof
 from modallab.core.modal_model import ModalModel
@@ -27,7 +31,6 @@ from modallab.rig.setup import RigSetup
 from modallab.rig.wishart import wishart_spectra
 
 N_TESTS = 1000
-N_LEAKED = 200  # of those that are printed only
 AT_ONCE = 50  # tests drawn together
 METHODS = ("lscf", "dobson")
 COVERED, MOST_OFF = 0.95, 0.02
@@ -36,11 +39,11 @@ DRIVE = Dof(1, "Y")
 RESPONSES = tuple(Dof(node, "Y") for node in range(1, 22, 2))
 
 
-def run() -> list[tuple[str, float, float]]:
+def run(n_tests: int = N_TESTS) -> list[tuple[str, float, float]]:
     """Return (name, how far the share of intervals that hold the truth is from 95 %, limit)."""
     rows = []
     for method in METHODS:
-        for quantity, covered in coverages(method).items():
+        for quantity, covered in coverages(method, n_tests).items():
             name = f"{method}: {100 * covered:.1f} % of intervals of {quantity} hold the truth; off"
             rows.append((name, abs(covered - COVERED), MOST_OFF))
     return rows
@@ -127,8 +130,17 @@ def _tests(n_tests: int, estimator: str, window: str | None) -> Iterator[Measure
             )
 
 
-if __name__ == "__main__":
+BENCH = Bench(run, short=partial(run, n_tests=1))
+
+
+def main() -> None:
+    """Print the shares of drawn tests, and of a fifth as many through a Hann window."""
+    n_tests = count(__doc__, N_TESTS)
     for kind in METHODS:
-        print(kind, coverages(kind))
+        print(kind, coverages(kind, n_tests))
         for spectrum in ("h1", "h2"):
-            print(kind, "hann", spectrum, coverages(kind, N_LEAKED, spectrum, "hann"))
+            print(kind, "hann", spectrum, coverages(kind, max(1, n_tests // 5), spectrum, "hann"))
+
+
+if __name__ == "__main__":
+    main()

@@ -2,7 +2,7 @@
 
 Not part of `make bench`: up to a minute for each method.
 
-python -m benchmarks.extraction_job
+    python -m benchmarks.extraction_job
 """
 
 import io
@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.bench import parser
 from benchmarks.updating_job import children, peak_memory
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab_client import ModalLab
@@ -27,13 +28,13 @@ TICK = os.sysconf("SC_CLK_TCK")
 PATIENCE = 600.0  # s for one reply
 
 
-def measured() -> tuple[FloatArray, FloatArray, bytes]:
-    """Return natural frequencies, Hz, lines, and a measurement of inertances with coherence as npz."""
+def measured(n_frf: int = N_FRF, n_lines: int = N_LINES) -> tuple[FloatArray, bytes]:
+    """Return natural frequencies, Hz, and a measurement of inertances with coherence as npz."""
     rng = np.random.default_rng(0)
-    freq: FloatArray = np.linspace(0.0, TOP, N_LINES)
+    freq: FloatArray = np.linspace(0.0, TOP, n_lines)
     natural = np.linspace(30.0, TOP - 30.0, N_MODES) + rng.uniform(-8, 8, N_MODES)
     omega = 2 * np.pi * freq[:, None]
-    shapes = rng.standard_normal((N_MODES, N_FRF))
+    shapes = rng.standard_normal((N_MODES, n_frf))
     shapes[:, 0] = 1.0  # the drive point is near no node
     exact: ComplexArray = -(omega**2) / ((2 * np.pi * natural) ** 2 * (1 + 1j * LOSS) - omega**2)
     exact = exact @ (shapes[:, :1] * shapes)
@@ -49,11 +50,11 @@ def measured() -> tuple[FloatArray, FloatArray, bytes]:
         values=noisy[:, :, None],
         coherence=coherence,
         averages=AVERAGES,
-        outputs=[f"{node}:+Z" for node in range(1, N_FRF + 1)],
+        outputs=[f"{node}:+Z" for node in range(1, n_frf + 1)],
         inputs=["1:+Z"],
         kind="inertance",
     )
-    return natural, freq, file.getvalue()
+    return natural, file.getvalue()
 
 
 def spent(process: int) -> float:
@@ -64,13 +65,20 @@ def spent(process: int) -> float:
 
 def main() -> None:
     """Print the figures."""
-    natural, _, payload = measured()
-    print(f"{N_FRF} FRFs x {N_LINES} lines x {N_MODES} modes, {len(payload) / 1e6:.0f} MB as npz")
+    arguments = parser(__doc__)
+    arguments.add_argument("--frfs", type=int, default=N_FRF)
+    arguments.add_argument("--lines", type=int, default=N_LINES)
+    arguments.add_argument("--methods", nargs="+", default=METHODS, metavar="method")
+    options = arguments.parse_args()
+    natural, payload = measured(options.frfs, options.lines)
+    print(
+        f"{options.frfs} FRFs x {options.lines} lines x {N_MODES} modes, {len(payload) / 1e6:.0f} MB as npz"
+    )
     with ModalLab.embedded(timeout=PATIENCE) as lab:
         begun = time.monotonic()
         test = lab.measurements.upload(payload)
         print(f"uploaded in {time.monotonic() - begun:.1f} s")
-        for method in METHODS:
+        for method in options.methods:
             progress: list[tuple[float, float]] = []
             begun, cpu_before = time.monotonic(), sum(map(spent, children(os.getpid())))
 
@@ -82,6 +90,7 @@ def main() -> None:
             modes = lab.modal_models.start(test.id, method=method, n_modes=N_MODES).result(on_progress=note)
             took = time.monotonic() - begun
             silence = max(b - a for (a, _), (b, _) in pairwise([(0.0, 0.0), *progress, (took, 1.0)]))
+            remaining = max((modes.resynthesis_error or {}).values(), default=np.nan)
             off = np.abs(modes.frequencies / natural - 1).max()
             rising = all(a <= b for (_, a), (_, b) in pairwise(progress))
             memory = max(map(peak_memory, children(os.getpid()))) / 1e6
@@ -90,7 +99,7 @@ def main() -> None:
                 f"{method:<8} {took:6.1f} s, {worked:.1f} s of work, {memory:.2f} GB; {len(progress)} reports"
                 f"{'' if rising else ', NOT rising'}, longest silence {silence:.1f} s; "
                 f"{len(modes.modes)} modes, frequencies within {off:.1e}, "
-                f"{100 * max(modes.resynthesis_error.values()):.1f} % left",
+                f"{100 * remaining:.1f} % left",
                 flush=True,
             )
 

@@ -1,13 +1,14 @@
 """How surely all coefficients are found at once on frequency responses, without noise and with it.
 
-python -m benchmarks.frf_residual          # prints the figures
+python -m benchmarks frf_residual
 """
 
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 
+from benchmarks.bench import Bench
 from benchmarks.one_shot import BAY, CLOSE, DOFS, ELEMENTWISE, MEMBERS, pattern, true_bay
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
@@ -148,14 +149,16 @@ def _outcome(result: UpdateResult, wrong: dict[tuple[str, int], float]) -> Found
     return Found(float(np.mean(inside)), worst(result, wrong), result.responses.after)
 
 
-def run() -> list[tuple[str, float, float]]:
+def run(
+    patterns: int = PATTERNS, seeds: int = SEEDS, more_seeds: int = MORE_SEEDS
+) -> list[tuple[str, float, float]]:
     """Return (name, figure, limit): of patterns not found, and of noise."""
-    bay = sum(of_bay(seed) >= CLOSE for seed in range(PATTERNS))
-    beam = sum(of_beam(seed) >= CLOSE for seed in range(PATTERNS))
-    noisy_runs = [of_noise(seed) for seed in range(SEEDS)]
+    bay = sum(of_bay(seed) >= CLOSE for seed in range(patterns))
+    beam = sum(of_beam(seed) >= CLOSE for seed in range(patterns))
+    noisy_runs = [of_noise(seed) for seed in range(seeds)]
     covered = float(np.mean([run.covered for run in noisy_runs]))
     forced = {
-        case: float(np.mean([of_force_noise(case, seed).covered for seed in range(MORE_SEEDS)]))
+        case: float(np.mean([of_force_noise(case, seed).covered for seed in range(more_seeds)]))
         for case in ("bay", "beam")
     }
     two_sided = [
@@ -164,8 +167,8 @@ def run() -> list[tuple[str, float, float]]:
         for label, figure, limit in (("that miss the truth", 1 - share, 0.10), ("that hold it", share, 0.99))
     ]
     return [
-        (f"frf_residual: of {PATTERNS} patterns of {2 * len(MEMBERS)} coefficients not exact", bay, 2.0),
-        (f"frf_residual: of {PATTERNS} patterns of the beam not exact", beam, 2.0),
+        (f"frf_residual: of {patterns} patterns of {2 * len(MEMBERS)} coefficients not exact", bay, 2.0),
+        (f"frf_residual: of {patterns} patterns of the beam not exact", beam, 2.0),
         ("frf_residual, noise: 95 % intervals that miss the truth", 1 - covered, 0.10),
         ("frf_residual, noise: those that hold it", covered, 0.99),
         (
@@ -178,6 +181,4 @@ def run() -> list[tuple[str, float, float]]:
     ]
 
 
-if __name__ == "__main__":
-    for name, figure, limit in run():
-        print(f"{name:<66} {figure:8.3g}  limit {limit:.3g}")
+BENCH = Bench(run, short=partial(run, patterns=1, seeds=1, more_seeds=1))

@@ -6,12 +6,13 @@ the scatter that is expected of it. The ratio of `make bench` is the distance of
 standard error, the worst of all.
 """
 
-import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
+from benchmarks.bench import Bench, count
 from modallab.core.dof import Dof
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import observe
@@ -80,23 +81,27 @@ def gaps(kind: str, window: str, seeds: int) -> Iterator[tuple[str, float, float
         )
 
 
-def run() -> list[tuple[str, float, float]]:
+def run(seeds: int = SEEDS, kinds: Sequence[tuple[str, str]] = KINDS) -> list[tuple[str, float, float]]:
     """Return the distance from 1 of the worst mean, in its standard errors."""
     worst = max(
-        abs(mean - 1) / (stated / np.sqrt(SEEDS))
-        for kind, window in KINDS
-        for _, mean, _, stated in gaps(kind, window, SEEDS)
+        abs(mean - 1) / (stated / np.sqrt(seeds))
+        for kind, window in kinds
+        for _, mean, _, stated in gaps(kind, window, seeds)
     )
     return [("gap with nothing missing, off 1 in standard errors", float(worst), TOLERANCE)]
 
 
-def main(seeds: int) -> None:
+def main() -> None:
     """Print the table."""
+    seeds = count(__doc__, SEEDS, "seeds")
     print(f"{'excitation':<16} {'window':<12} {'part':<9} {'gap':>6} {'scatter':>8} {'expected':>8}")
     for kind, window in KINDS:
         for part, mean, scatter, stated in gaps(kind, window, seeds):
             print(f"{kind:<16} {window:<12} {part:<9} {mean:6.3f} {scatter:8.3f} {stated:8.3f}", flush=True)
 
 
+BENCH = Bench(run, short=partial(run, seeds=1, kinds=KINDS[:1]))
+
+
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else SEEDS)
+    main()

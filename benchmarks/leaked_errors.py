@@ -7,12 +7,13 @@ Sampled: leakage ties the errors of neighbouring lines and of all channels toget
 lines knows nothing of that.
 """
 
-import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
+from benchmarks.bench import Bench, parser
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import NoModeInBandError
@@ -75,10 +76,10 @@ class Scores:
         }[quantity]
 
 
-def run() -> list[tuple[str, float, float]]:
+def run(n_tests: int = N_TESTS) -> list[tuple[str, float, float]]:
     """Return (name, how far the share of intervals that hold the truth is from 95 %, limit)."""
     rows = []
-    for (method, estimator), scores in all_scores(N_TESTS).items():
+    for (method, estimator), scores in all_scores(n_tests).items():
         for quantity in QUANTITIES:
             covered, lower, upper = coverage(scores.of(quantity))
             off = max(lower - 0.95, 0.95 - upper, 0.0)
@@ -197,7 +198,18 @@ def report(scores: dict[tuple[str, str], Scores]) -> Iterator[str]:
                     )
 
 
-if __name__ == "__main__":
-    arguments = int(sys.argv[1]) if len(sys.argv) > 1 else N_TESTS
-    for line in report(all_scores(arguments, sys.argv[2:] or METHODS)):
+BENCH = Bench(run, short=partial(run, n_tests=1))
+
+
+def main() -> None:
+    """Print the table."""
+    arguments = parser(__doc__)
+    arguments.add_argument("tests", type=int, nargs="?", default=N_TESTS)
+    arguments.add_argument("methods", nargs="*", metavar="method", help=f"default: {' '.join(METHODS)}")
+    options = arguments.parse_args()
+    for line in report(all_scores(options.tests, options.methods or METHODS)):
         print(line)
+
+
+if __name__ == "__main__":
+    main()

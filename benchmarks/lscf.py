@@ -1,7 +1,10 @@
 """A stabilisation chart of all orders against the eigenvalue problems that it contains."""
 
+from functools import partial
+
 import numpy as np
 
+from benchmarks.bench import Bench
 from benchmarks.timing import ratio
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.extraction.multi_mode.fraction_poles import companions
@@ -14,19 +17,19 @@ LIMIT = 1.3
 ROUNDS = 60  # a chart takes some ten milliseconds
 
 
-def run() -> list[tuple[str, float, float]]:
+def run(order: int = ORDER, rounds: int = ROUNDS) -> list[tuple[str, float, float]]:
     """Return (name, time of the whole chart over that of its eigenvalue problems alone, limit)."""
     freq, frf, weight = _frfs()
-    orders = np.arange(1, ORDER + 1)
+    orders = np.arange(1, order + 1)
     find = GLOBAL_METHODS["lscf"]
-    fractions = fit_fractions(to_z_domain(frf, weight, ORDER), orders)
+    fractions = fit_fractions(to_z_domain(frf, weight, order), orders)
     problems = [companion.copy() for companion in companions(fractions.denominator, orders)]
     took = ratio(
         lambda: find(freq, frf, weight, orders),
         lambda: [np.linalg.eigvals(problem) for problem in problems],
-        ROUNDS,
+        rounds,
     )
-    name = f"lscf, {N_FRF} FRFs x {N_LINES} lines, orders to {ORDER}, against its eigenvalues"
+    name = f"lscf, {N_FRF} FRFs x {N_LINES} lines, orders to {order}, against its eigenvalues"
     return [(name, took, LIMIT)]
 
 
@@ -41,3 +44,6 @@ def _frfs() -> tuple[FloatArray, ComplexArray, FloatArray]:
     unit = (rng.standard_normal(exact.shape) + 1j * rng.standard_normal(exact.shape)) / np.sqrt(2)
     frf = np.asarray(exact + level * unit, complex)[:, :, None]
     return freq, frf, np.broadcast_to(1 / level[:, None] ** 2, frf.shape)
+
+
+BENCH = Bench(run, short=partial(run, order=20, rounds=1))

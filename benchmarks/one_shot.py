@@ -1,14 +1,16 @@
 """How surely all coefficients of a frame are found at once, without noise and with the thesis's NL3.
 
-python -m benchmarks.one_shot            # prints the figures
+python -m benchmarks one_shot
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from itertools import pairwise
 
 import numpy as np
 
+from benchmarks.bench import Bench
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.core.modal_model import ModalModel
@@ -40,6 +42,7 @@ GARTEUR = STRUCTURES["garteur"]()
 # every second node of the outline, the third and the fifth of each diagonal
 GARTEUR_NODES = (*range(2, 53, 2), *(node + 5 * bay for bay in range(5) for node in (55, 57)))
 GARTEUR_WRONG = 10
+FRAMES = (1, 2, 3)  # seeds
 
 
 def true_bay(wrong: dict[tuple[str, int], float]) -> Structure:
@@ -133,20 +136,22 @@ def noisy(seed: int, method: str = "one_shot") -> Found:
     )
 
 
-def run() -> list[tuple[str, float, float]]:
+def run(
+    patterns: int = PATTERNS, seeds: int = SEEDS, frames: Sequence[int] = FRAMES
+) -> list[tuple[str, float, float]]:
     """Return (name, figure, limit): of patterns found, and of noise against location and updating."""
-    errors, steps = zip(*(exact(seed) for seed in range(PATTERNS)), strict=True)
+    errors, steps = zip(*(exact(seed) for seed in range(patterns)), strict=True)
     missed = sum(error >= CLOSE for error in errors)
-    noisy_runs = [noisy(seed) for seed in range(SEEDS)]
-    plain = [noisy(seed, "inverse_eigensensitivity") for seed in range(SEEDS)]
+    noisy_runs = [noisy(seed) for seed in range(seeds)]
+    plain = [noisy(seed, "inverse_eigensensitivity") for seed in range(seeds)]
     worst = float(np.median([run.worst for run in noisy_runs]))
     covered = float(np.mean([run.covered for run in noisy_runs]))
-    largest = max(garteur(seed) for seed in (1, 2, 3))
+    largest = max(garteur(seed) for seed in frames)
     return [
         ("one_shot: largest error of 166 coefficients from five modes", largest, 1e-3),
-        (f"one_shot: of {PATTERNS} patterns not within {CLOSE:g} in {ITERATIONS} steps", missed, 2.0),
+        (f"one_shot: of {patterns} patterns not within {CLOSE:g} in {ITERATIONS} steps", missed, 2.0),
         ("one_shot: most steps of a pattern", max(steps), ITERATIONS),
-        (f"one_shot, NL3: of {SEEDS} draws with a wrong element unsuspected", _unsuspected(noisy_runs), 0.0),
+        (f"one_shot, NL3: of {seeds} draws with a wrong element unsuspected", _unsuspected(noisy_runs), 0.0),
         ("one_shot, NL3: largest error of a frequency", max(run.frequency for run in noisy_runs), 0.003),
         ("one_shot, NL3: 95 % intervals that miss the truth", 1 - covered, 0.10),
         ("one_shot, NL3: those that hold it", covered, 0.99),
@@ -159,6 +164,4 @@ def _unsuspected(noisy_runs: list[Found]) -> int:
     return sum(not run.suspected for run in noisy_runs)
 
 
-if __name__ == "__main__":
-    for name, figure, limit in run():
-        print(f"{name:<66} {figure:8.3g}  limit {limit:.3g}")
+BENCH = Bench(run, short=partial(run, patterns=1, seeds=1, frames=(1,)))

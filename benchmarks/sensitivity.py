@@ -19,7 +19,7 @@ import json
 import pkgutil
 import textwrap
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
@@ -32,14 +32,25 @@ from scipy.stats import binomtest
 import modallab
 from benchmarks.trial.cases import case
 from benchmarks.trial.running import Answer, Question, answered_here, run
+from modallab.api.from_files import Files, diagnose_files
+from modallab.core.progress import silent
 from modallab.core.settings import Settings
 
 # Own cases: of sets 1 (exact model), 2 (leakage) and 3 (tolerances), drawn by the trial's own seeds.
-GROUPED = (
-    *(("1", 9001, number) for number in range(28)),
-    *(("2", 10001, number) for number in range(8)),
-    *(("3", 10001, number) for number in range(12)),
-)
+N_OF_SETS = {"1": (9001, 28), "2": (10001, 8), "3": (10001, 12)}  # seed, cases
+
+
+def interleaved(n_of_sets: Mapping[str, tuple[int, int]]) -> tuple[tuple[str, int, int], ...]:
+    """Return (set, seed, number) of all cases, so ordered that any first part is a sample of all sets."""
+    placed = [
+        ((number + 0.5) / count, name, seed, number)
+        for name, (seed, count) in n_of_sets.items()
+        for number in range(count)
+    ]
+    return tuple((name, seed, number) for _, name, seed, number in sorted(placed))
+
+
+GROUPED = interleaved(N_OF_SETS)
 ROOMS = ("modallab.diagnosis",)
 LEAST_CHANGES = 1  # changed cases from which on the fields of a group are varied one by one
 EXPLANATION = """
@@ -127,9 +138,6 @@ def own_case(variation: Variation, name: str, seed: int, number: int) -> dict[st
 
 def foreign_case(variation: Variation, folder: Path) -> dict[str, Any]:
     """Return whether a foreign case is answered rightly: every named effect, and no other."""
-    from modallab.api.from_files import Files, diagnose_files
-    from modallab.core.progress import silent
-
     start = time.process_time()
     measured = next(path for path in sorted(folder.glob("measured.*")))
     tolerances = folder / "tolerances.json"
@@ -215,6 +223,8 @@ def report(study: Study) -> str:
     """Return the table, the most fragile settings first."""
     base = [line for (variation, _), line in study.answers.items() if variation == Variation()]
     right = sum(line["right"] for line in base)
+    troubles = [line["trouble"] for line in base if "trouble" in line]
+    failed = f"; {len(troubles)} failed, the first with {troubles[0]}" if troubles else ""
     rows = []
     for variation in dict.fromkeys(variation for variation, _ in study.answers):
         if variation == Variation():
@@ -228,7 +238,7 @@ def report(study: Study) -> str:
         "",
         *textwrap.wrap(EXPLANATION, 120),
         "",
-        f"{right} of {len(base)} cases are right with the settings as they are.",
+        f"{right} of {len(base)} cases are right with the settings as they are{failed}.",
         "",
         "| settings | wins | losses | cases | chance |",
         "|---|---:|---:|---:|---:|",
@@ -258,7 +268,7 @@ def main() -> None:
         parser.error(f"{options.out} exists: --resume goes on with it")
     cases = [
         *GROUPED[: options.cases],
-        *(sorted(p for p in options.foreign.iterdir()) if options.foreign else ()),
+        *(sorted(p for p in options.foreign.iterdir() if p.is_dir()) if options.foreign else ()),
     ]
     study = Study(cases, options.out, options.workers, time.monotonic() + 3600 * options.hours)
     names = options.groups or list(groups())

@@ -1,6 +1,6 @@
 """A plate of 100,000 degrees of freedom updated in one job of a service: its memory, and what it finds.
 
-python -m benchmarks.updating_job            # prints the figures, and the seconds of every request
+python -m benchmarks updating_job            # prints the seconds of every request too
 """
 
 import os
@@ -8,8 +8,10 @@ import re
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
+from benchmarks.bench import Bench
 from benchmarks.updating_scale import (
     LENGTH,
     MACROS,
@@ -25,6 +27,7 @@ from benchmarks.updating_scale import (
     sensors,
 )
 from modallab_client import ModalLab
+from modallab_client.results import IterativeUpdate
 
 N_DOFS = 100_000
 PATIENCE = 600.0  # s for one reply: modes of the true plate are solved for while one waits
@@ -74,6 +77,7 @@ def updated(n_dofs: int = N_DOFS) -> tuple[float, float]:
             job = lab.updates.start(plate.id, measured.id, method="one_shot", macros=groups, options=options)
             match = job.result()
         memory = max(peak_memory(process) for process in children(os.getpid()))
+    assert isinstance(match, IterativeUpdate)
     assert match.iterations["updating"] == STEPS
     errors = [
         abs(match.coefficients[part][group[0]] - (WRONG.get(i, 1.0) if part == "stiffness" else 1.0))
@@ -83,13 +87,11 @@ def updated(n_dofs: int = N_DOFS) -> tuple[float, float]:
     return memory, max(errors)
 
 
-def run() -> list[tuple[str, float, float]]:
+def run(n_dofs: int = N_DOFS) -> list[tuple[str, float, float]]:
     """Return (name, figure, limit)."""
-    memory, error = updated()
-    whole = f"{N_DOFS:,} DoFs, {2 * MACROS[0] * MACROS[1]} coefficients, {STEPS} steps, one job"
+    memory, error = updated(n_dofs)
+    whole = f"{n_dofs:,} DoFs, {2 * MACROS[0] * MACROS[1]} coefficients, {STEPS} steps, one job"
     return [(f"{whole}: memory over 24 GB", memory / MEMORY, 1.0), (f"{whole}: largest error", error, 1e-3)]
 
 
-if __name__ == "__main__":
-    for name, figure, limit in run():
-        print(f"{name:<78} {figure:8.3g}  limit {limit:.3g}")
+BENCH = Bench(run, short=partial(run, n_dofs=600), reads_proc=True)

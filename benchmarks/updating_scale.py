@@ -1,6 +1,6 @@
 """Updating of large plates: against one factorisation and the fewest solves, and how it grows with size.
 
-python -m benchmarks.updating_scale            # prints the figures
+python -m benchmarks updating_scale
 """
 
 import re
@@ -8,10 +8,12 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
+from benchmarks.bench import Bench
 from benchmarks.timing import ratio
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
@@ -30,10 +32,17 @@ from modallab.updating.sensitivity import PartMatrices, derivatives, part_matric
 
 LENGTH, WIDTH, THICKNESS = 0.6, 0.4, 0.004  # m
 STEEL = Material(2.09e11, 7800.0)
-SIZES = {5_000: (50, 33), 20_000: (100, 65), 100_000: (222, 149)}  # elements each way, by DoFs
+SIZES = {
+    600: (16, 11),
+    1_600: (27, 18),
+    5_000: (50, 33),
+    20_000: (100, 65),
+    100_000: (222, 149),
+}  # elements each way, by DoFs
 MODES, SENSORS, STEPS = 20, (6, 5), 5
 MEASURED, MACROS = 10, (10, 5)  # modes, and macro elements with a mass and a stiffness each
 MANY = (25, 20)  # macro elements of a thousand coefficients
+ROUNDS = 5
 CHANGED = 0.1  # standard deviation of what a coefficient moves by in a step
 WRONG = {7: 1.3, 23: 0.8, 38: 1.2}  # stiffness, by macro element
 MEMORY = 24e6  # kB
@@ -68,7 +77,7 @@ def random_coefficients(assembly: Assembly, seed: int) -> Coefficients:
     return Coefficients(base.mass, base.axial, base.bending * factor, base.loss_factor)
 
 
-def eigen_solution(n_dofs: int) -> float:
+def eigen_solution(n_dofs: int, rounds: int) -> float:
     """Return the time of modes from those a step away, over one factorisation and a solve a mode."""
     assembly = Assembly(plate_of(n_dofs))
     initial, changed = assembly.system(), assembly.system(random_coefficients(assembly, 1))
@@ -84,17 +93,17 @@ def eigen_solution(n_dofs: int) -> float:
     def least() -> object:
         return factorised(changed.stiffness + changed.mass).solve(loads)
 
-    return ratio(ours, least, rounds=5)
+    return ratio(ours, least, rounds)
 
 
-def jacobian(n_dofs: int) -> float:
+def jacobian(n_dofs: int, macros: tuple[int, int], rounds: int) -> float:
     """Return the time of all derivatives at the sensors, over a solve a sensor and a pass of the elements."""
     assembly = Assembly(plate_of(n_dofs))
     system = assembly.system()
     basis = first_basis(system.mass, system.stiffness, system.rigid, MODES)
     modes = basis.n_rigid_body + np.arange(MEASURED)
     places = system.selection(sensors(n_dofs))
-    parameters = parameterise(patches(n_dofs, MANY))
+    parameters = parameterise(patches(n_dofs, macros))
     parts = part_matrices(assembly, coefficients_of(assembly.structure), parameters)
     remainder = basis.remainder
     assert remainder is not None
@@ -109,7 +118,7 @@ def jacobian(n_dofs: int) -> float:
         solve(places)
         return [element_pass(part, answers, shapes) for part in parts]
 
-    return ratio(ours, least, rounds=5)
+    return ratio(ours, least, rounds)
 
 
 def element_pass(part: PartMatrices, left_factor: FloatArray, right: FloatArray) -> FloatArray:
@@ -152,20 +161,25 @@ def updated(n_dofs: int) -> tuple[float, float, float]:
     return seconds, memory, error
 
 
-def run() -> list[tuple[str, float, float]]:
-    """Return (name, figure, limit)."""
-    small, large = updated(20_000), updated(100_000)
-    power = np.log(large[0] / small[0]) / np.log(5)
-    whole = f"100,000 DoFs, 100 coefficients, {STEPS} steps"
+def run(
+    small: int = 20_000, large: int = 100_000, macros: tuple[int, int] = MANY, rounds: int = ROUNDS
+) -> list[tuple[str, float, float]]:
+    """Return (name, figure, limit); sizes in DoFs, of `SIZES`."""
+    (fewer_seconds, _, _), (seconds, memory, error) = updated(small), updated(large)
+    power = np.log(seconds / fewer_seconds) / np.log(large / small)
+    whole = f"{large:,} DoFs, {2 * MACROS[0] * MACROS[1]} coefficients, {STEPS} steps"
+    many = f"{2 * macros[0] * macros[1]:,} coefficients at {SENSORS[0] * SENSORS[1]} sensors"
     return [
-        (f"{MODES} modes of 20,000 DoFs, from a step away / factor, solves", eigen_solution(20_000), 4.0),
-        ("1,000 coefficients at 30 sensors / solves, element pass", jacobian(20_000), 1.5),
+        (
+            f"{MODES} modes of {small:,} DoFs, from a step away / factor, solves",
+            eigen_solution(small, rounds),
+            4.0,
+        ),
+        (f"{many} / solves, element pass", jacobian(small, macros, rounds), 1.5),
         (f"{whole}: growth, power of size", float(power), GROWTH),
-        (f"{whole}: memory over 24 GB", large[1] / MEMORY, 1.0),
-        (f"{whole}: largest error", large[2], 1e-3),
+        (f"{whole}: memory over 24 GB", memory / MEMORY, 1.0),
+        (f"{whole}: largest error", error, 1e-3),
     ]
 
 
-if __name__ == "__main__":
-    for name, figure, limit in run():
-        print(f"{name:<66} {figure:8.3g}  limit {limit:.3g}")
+BENCH = Bench(run, short=partial(run, small=600, large=1_600, macros=MACROS, rounds=1), reads_proc=True)

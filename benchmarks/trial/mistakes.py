@@ -45,15 +45,15 @@ def _transducer(setup: RigSetup, rng: np.random.Generator) -> Misled:
 
 
 def _noisier(setup: RigSetup, rng: np.random.Generator) -> Misled:
-    ratio = setup.noise.response * _factor(rng, 1.5, 30.0)
-    mistake = _effect("response_noise", ratio=ratio - setup.noise.response)
-    return replace(setup, noise=Noise(setup.noise.force, ratio)), (mistake,)
+    ratio = setup.noise.response_ratio * _factor(rng, 1.5, 30.0)
+    mistake = _effect("response_noise", ratio=ratio - setup.noise.response_ratio)
+    return replace(setup, noise=Noise(setup.noise.force_ratio, ratio)), (mistake,)
 
 
 def _noisier_force(setup: RigSetup, rng: np.random.Generator) -> Misled:
-    ratio = setup.noise.force * _factor(rng, 1.5, 30.0)
-    mistake = _effect("force_noise", ratio=ratio - setup.noise.force)
-    return replace(setup, noise=Noise(ratio, setup.noise.response)), (mistake,)
+    ratio = setup.noise.force_ratio * _factor(rng, 1.5, 30.0)
+    mistake = _effect("force_noise", ratio=ratio - setup.noise.force_ratio)
+    return replace(setup, noise=Noise(ratio, setup.noise.response_ratio)), (mistake,)
 
 
 def _mounting(setup: RigSetup, rng: np.random.Generator) -> Misled:
