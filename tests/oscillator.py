@@ -43,7 +43,7 @@ def rig_at_tip(level: float = 1.0, excitation: str = "random", **analyser: float
 
 def density(setup: RigSetup) -> float:
     """One-sided density of the force, N^2/Hz."""
-    return setup.analyser.excitation.level**2 / setup.analyser.frequency_max
+    return setup.analyser.source_level**2 / setup.analyser.frequency_max
 
 
 def mean_square(power: float, stiffness: float = STIFFNESS, damping: float = DAMPING) -> float:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.io import savemat
 
 from modallab_client import ModalLab, errors
 
@@ -13,7 +14,7 @@ TEXT = (Path(__file__).parents[2] / "docs" / "files.md").read_text(encoding="utf
 
 
 def test_a_universal_file_gives_modes_in_two_lines(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    two_lines, rig_of_it, back, known = re.findall(
+    two_lines, rig_of_it, back, known, other_formats = re.findall(
         r"^```python\n(.*?)^```", TEXT, flags=re.DOTALL | re.MULTILINE
     )
     assert len(two_lines.splitlines()) == 2
@@ -38,6 +39,12 @@ def test_a_universal_file_gives_modes_in_two_lines(tmp_path: Path, monkeypatch: 
         # columns of 13 leave six digits
         np.testing.assert_allclose(names["same"].shapes, direct.shapes, rtol=1e-5, atol=1e-9)
         assert (tmp_path / "geometry.uff").read_bytes().count(b"\n    82\n") == 1
+        freq, frf = made.freq, made.values[:, :, 0]
+        savemat(tmp_path / "test.mat", {"f": freq, "frf": frf, "coh": made.coherence})
+        columns = np.column_stack([freq, frf[:, 0].real, frf[:, 0].imag])
+        for name in ("wing_tip.csv", "tail.csv"):
+            np.savetxt(tmp_path / name, columns, delimiter=",", header="Hz,real,imag", comments="")
+        exec(other_formats, names)
         cut = (tmp_path / "frf.uff").read_bytes()[:-1000]
         with pytest.raises(errors.InvalidInputError, match="dataset"):
             lab.measurements.upload(cut, names["rig"].id)
