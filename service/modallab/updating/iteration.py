@@ -69,6 +69,8 @@ class StopReason(StrEnum):
     DIVERGED = "diverged"
     SOLVED = "solved at once, without iteration"
     LOCATED = "errors are located, nothing is corrected"
+    NOT_LOCATED = "no member is suspected, nothing is corrected"
+    UNCHANGED = "nothing is corrected, the model stays as it is"
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,6 +179,27 @@ def check_sensitivity(rows: FloatArray) -> None:
             value=rows.shape[1],
             allowed="parts of members that move in the measured modes",
         )
+
+
+def stated_end(
+    explanation: str, parameterisation: Parameterisation, values: FloatArray, tolerance: float
+) -> str:
+    """Return the reason for the end of an update, led by the outcome where no coefficient is corrected.
+
+    Parameters
+    ----------
+    explanation
+        Reason for the end of the path.
+    values
+        (n_params,) coefficients at the end.
+    tolerance
+        Largest change of a coefficient at convergence.
+    """
+    if (np.abs(values - parameterisation.nominal) > tolerance).any():
+        return explanation
+    if explanation.startswith(StopReason.DIVERGED):
+        return f"{explanation}; {StopReason.UNCHANGED}"
+    return f"{StopReason.UNCHANGED}: {explanation}"
 
 
 def bound_note(parameterisation: Parameterisation, values: FloatArray) -> str:

@@ -13,8 +13,10 @@ from modallab.updating.settings import LOCATION
 class Suspicion:
     """Suspected members, and their initial coefficients in the updating stage."""
 
-    parameterisation: Parameterisation  # one coefficient for each part of each suspected member
-    start: FloatArray  # (n_params,) coefficient of the macro element of each member
+    parameterisation: Parameterisation
+    """One coefficient for each part of each suspected member, or of a group that is whole."""
+    start: FloatArray
+    """(n_params,) coefficient of the macro element of each."""
 
     def __post_init__(self) -> None:
         shape = (len(self.parameterisation.macros),)
@@ -32,7 +34,8 @@ def suspect_members(
     One wrong member changes the coefficient of a macro element of many by little. Where none exceeds the
     threshold, those with at least half the largest change are suspected, if that one is noticeable. Loss
     factors have a threshold of their own and are compared with one another only. Coefficients of the other
-    macro elements return to nominal for stage two. 1992 thesis, sections 3.3 and 6.3.
+    macro elements return to nominal for stage two. A group that is the only one has nothing to locate: its
+    members keep one coefficient a part. 1992 thesis, sections 3.3 and 6.3.
 
     Parameters
     ----------
@@ -50,12 +53,22 @@ def suspect_members(
     start: list[float] = []
     for macro, value, is_suspect in zip(parameterisation.macros, values, change > thresholds, strict=True):
         if is_suspect:
-            macros += [MacroElement((number,), macro.part) for number in macro.members]
-            start += [float(value)] * len(macro.members)
+            refined_macros = _refined(macro, parameterisation)
+            macros += refined_macros
+            start += [float(value)] * len(refined_macros)
     if not macros:
         return None
     refined = Parameterisation(tuple(macros), parameterisation.lower, parameterisation.upper)
     return Suspicion(refined, np.array(start))
+
+
+def _refined(macro: MacroElement, parameterisation: Parameterisation) -> list[MacroElement]:
+    """Return the macro elements of a suspected one in stage two: its members, or itself if it is alone."""
+    is_nodal = macro.part.is_nodal
+    places = {other.members for other in parameterisation.macros if other.part.is_nodal == is_nodal}
+    if len(places) == 1:
+        return [macro]
+    return [MacroElement((number,), macro.part) for number in macro.members]
 
 
 def _effective_threshold(change: FloatArray, threshold: float, noticeable: float) -> float:

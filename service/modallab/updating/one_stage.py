@@ -7,7 +7,7 @@ from modallab.core.progress import Progress, part
 from modallab.fe.assembly import Assembly
 from modallab.fe.structure import Structure
 from modallab.updating.identifiability import Identifiability, identify
-from modallab.updating.iteration import IterationPath, StopReason
+from modallab.updating.iteration import IterationPath, StopReason, stated_end
 from modallab.updating.method import Stages, UpdateResult
 from modallab.updating.modal_residuals import ModalResiduals
 from modallab.updating.one_stage_path import OneStagePath, OneStageRule, correct, least_squares_step
@@ -61,7 +61,7 @@ def update_in_one_stage(
         mac=Stages(initial.mac, initial.mac, final.mac),
         history=path.history,
         converged=path.converged,
-        stopped_because=path.explanation
+        stopped_because=stated_end(path.explanation, parameterisation, final.values, options.tolerance)
         + stage_path.weights.misfit_note(stage_path.posterior.block_variances),
         rank=identifiability.rank,
         condition_number=identifiability.condition_number,

@@ -8,7 +8,7 @@ from modallab.core.progress import Progress, part
 from modallab.fe.assembly import Assembly
 from modallab.fe.structure import Structure
 from modallab.updating.covariance import coefficient_covariance
-from modallab.updating.iteration import IterationPath, StopReason, StopRule, iterate
+from modallab.updating.iteration import IterationPath, StopReason, StopRule, iterate, stated_end
 from modallab.updating.location import Suspicion, suspect_members
 from modallab.updating.method import Stages, UpdateResult
 from modallab.updating.modal_residuals import Balance, ModalResiduals, ModelState
@@ -95,7 +95,8 @@ def _result(
         mac=Stages(initial.mac, location_path.final.mac, final.mac),
         history=location_path.history + path.history,
         converged=path.converged,
-        stopped_because=path.explanation + note,
+        stopped_because=stated_end(path.explanation, parameterisation, final.values, options.tolerance)
+        + note,
         rank=identifiability.rank,
         condition_number=identifiability.condition_number,
         intervals=identifiability.by_member() if has_correction else {},
@@ -108,4 +109,6 @@ def _result(
 
 def _suspected_members(suspicion: Suspicion | None, parts: tuple[Part, ...]) -> dict[str, tuple[int, ...]]:
     macros = () if suspicion is None else suspicion.parameterisation.macros
-    return {part.value: tuple(sorted(m.members[0] for m in macros if m.part is part)) for part in parts}
+    return {
+        part.value: tuple(sorted(n for m in macros if m.part is part for n in m.members)) for part in parts
+    }

@@ -42,6 +42,25 @@ def test_members_alike_are_one_macro_element(service: Any, beam: str, modes: str
     assert located(service, beam, modes, {"by": "groups"}) == [list(range(1, 21))]
 
 
+def test_one_macro_element_for_all_members_is_one_unknown_in_both_stages(
+    service: Any, beam: str, modes: str
+) -> None:
+    body = asked(beam, modes, [list(range(1, 21))]) | {"method": "inverse_eigensensitivity"}
+    update = service.get(f"/v1/updates/{service.result_of('/v1/updates', body)}")
+    assert update["iterations"]["updating"] > 0
+    assert {len(step["coefficients"]) for step in update["history"]} == {1}
+    assert len(set(update["coefficients"]["stiffness"].values())) == 1
+
+
+def test_an_update_that_corrects_nothing_says_so_first(service: Any, beam: str) -> None:
+    exact = {"count": 6, "dofs": [f"{n}:+Y" for n in range(1, 22, 2)]}
+    known = service.post(f"/v1/structures/{beam}/synthetic-modes", exact)["id"]
+    body = asked(beam, known, "auto") | {"method": "inverse_eigensensitivity"}
+    update = service.get(f"/v1/updates/{service.result_of('/v1/updates', body)}")
+    assert set(update["coefficients"]["stiffness"].values()) == {1.0}
+    assert update["stopped_because"].startswith("nothing is corrected")
+
+
 @pytest.mark.parametrize(
     ("macros", "said"),
     [

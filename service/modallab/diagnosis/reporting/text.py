@@ -145,7 +145,7 @@ def headline(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict is Verdict.AMBIGUOUS:
         return f"Explained, but not uniquely: {effects}, or an equivalent effect."
     if not steps:
-        return "Unexplained: no suspect accounts for the difference."
+        return "Unexplained: no suspect accounts for the difference. Nothing is added to the model."
     verb = "reduces" if len(steps) == 1 else "reduce"
     if steps[-1].gap_after - 1 > REPORT.little_reduction * (steps[0].gap_before - 1):
         return f"Unexplained: {effects} {verb} the gap little and may not be present."

@@ -133,9 +133,12 @@ class DirectResult:
         """Reason for the end, for readers."""
         if not self.corrects:
             return StopReason.LOCATED
+        end = str(StopReason.SOLVED)
+        if all(errors.max() < DIRECT_UPDATING.reproduction_error for errors in self.dof_errors.values()):
+            end = f"{StopReason.UNCHANGED}: {end}"
         if self.converged:
-            return StopReason.SOLVED
-        return f"{StopReason.SOLVED}; measured shapes or frequencies are missed by {self.reproduced:.2g}"
+            return end
+        return f"{end}; measured shapes or frequencies are missed by {self.reproduced:.2g}"
 
     @property
     def ranked_errors(self) -> dict[str, tuple[DofError, ...]]:

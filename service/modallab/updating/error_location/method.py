@@ -117,7 +117,7 @@ class LocationResult:
     @property
     def stopped_because(self) -> str:
         """Reason for the end, for readers."""
-        return StopReason.LOCATED
+        return StopReason.LOCATED if any(self.suspected.values()) else StopReason.NOT_LOCATED
 
     @property
     def coefficients(self) -> dict[str, dict[int, float]]:

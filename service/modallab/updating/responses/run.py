@@ -9,7 +9,7 @@ from modallab.fe.assembly import Assembly
 from modallab.fe.structure import Structure
 from modallab.updating.corrected_model import CorrectedModel
 from modallab.updating.identifiability import Identifiability, identify
-from modallab.updating.iteration import StopReason
+from modallab.updating.iteration import StopReason, stated_end
 from modallab.updating.method import Stages, UpdateResult
 from modallab.updating.one_stage_path import OneStageRule, least_squares_step
 from modallab.updating.options import ResponseUpdateOptions, Underdetermined
@@ -57,7 +57,8 @@ def update_on_responses(
         mac=Stages(no_modes, no_modes, no_modes),
         history=path.history,
         converged=path.stop_reason is StopReason.CONVERGED,
-        stopped_because=path.explanation + _misfit_note(path),
+        stopped_because=stated_end(path.explanation, parameterisation, path.values, options.tolerance)
+        + _misfit_note(path),
         rank=identifiability.rank,
         condition_number=identifiability.condition_number,
         intervals=identifiability.by_member() if is_valid else {},

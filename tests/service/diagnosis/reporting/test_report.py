@@ -74,7 +74,11 @@ def test_what_comes_from_outside_cannot_become_markup() -> None:
     ("verdict", "steps", "words"),
     [
         (Verdict.NOTHING_MISSING, (), "Nothing is missing."),
-        (Verdict.UNEXPLAINED, (), "Unexplained: no suspect accounts for the difference."),
+        (
+            Verdict.UNEXPLAINED,
+            (),
+            "Unexplained: no suspect accounts for the difference. Nothing is added to the model.",
+        ),
         (Verdict.UNEXPLAINED, (STEP,), "another effect is still missing"),
         (
             Verdict.UNEXPLAINED,
