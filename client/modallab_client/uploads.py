@@ -32,6 +32,8 @@ class UploadOptions(TypedDict, total=False):
     """`shaker` or `hammer`, of a test without a rig."""
     window: str
     """Window of a test without a rig."""
+    window_end: float
+    """Height of an exponential `window` at the end of the record."""
 
 
 def upload_form(given: Mapping[str, Any]) -> dict[str, Any]:
@@ -42,7 +44,7 @@ def upload_form(given: Mapping[str, Any]) -> dict[str, Any]:
         if name in _JSON:
             form[name] = json.dumps(value)
         else:
-            form[name] = value if isinstance(value, str) else [str(entry) for entry in value]
+            form[name] = str(value) if isinstance(value, (str, float, int)) else [str(v) for v in value]
     return form
 
 

@@ -263,7 +263,7 @@ STRUCTURE["suspension"] = Example(
     at="1:+Y",
     declared={"suspension": {"at": ["1:+Y", "21:+Y"], "stiffness": 100.0, "loss_factor": 0.05}},
     band=(0.2, 40.0),
-    shows="Two soft bands: rigid-body modes at 0.9 and 1.6 Hz; the first elastic mode does not change.",
+    shows="Two elastic cords: rigid-body modes at 0.9 and 1.6 Hz; the first elastic mode does not change.",
 )
 
 

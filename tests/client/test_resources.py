@@ -100,6 +100,9 @@ def test_arrays_and_files_are_brought_in(lab: ModalLab, service: FakeService, tm
     assert b"averages" not in service.requests[3].content
     lab.measurements.upload(b"    -1\n", "r1", averages=94.8)
     assert b'name="averages"\r\n\r\n94.8\r\n' in service.requests[6].content
+    lab.measurements.upload(b"    -1\n", window="exponential", window_end=0.3, outputs=["1:+Y", "2:+Y"])
+    assert b'name="window_end"\r\n\r\n0.3\r\n' in service.requests[9].content
+    assert service.requests[9].content.count(b'name="outputs"') == 2
 
 
 def test_a_universal_file_comes_as_its_bytes(lab: ModalLab, service: FakeService) -> None:

@@ -56,7 +56,7 @@ def names(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
 def test_texts_matlab_and_universal_file_hold_the_same_test(names: dict[str, Any]) -> None:
     test = names["test"]
     assert test.values.shape == (1141, 1, 11)
-    assert {a.quantity for a in test.assumed} == {"averages", "exciter", "window"}
+    assert {a.quantity for a in test.assumed} == {"averages", "exciter", "window", "excitation"}
     size = np.abs(test.values).max()
     # six digits of a text, seven of single precision
     np.testing.assert_allclose(names["from_matlab"].values, test.values, atol=1e-5 * size)

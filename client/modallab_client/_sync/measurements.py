@@ -74,7 +74,8 @@ class Measurements(Shelf):
             Effective averages, which text and universal files do not hold; by default the rig's.
         given
             What the files do not say: `unit`, `scale`, `kind`, `map`, `outputs`, `inputs`, `columns`,
-            `variables`, `exciter`, `window`. Their meaning: `modallab_client.uploads.UploadOptions`.
+            `variables`, `exciter`, `window`, `window_end`. Their meaning:
+            `modallab_client.uploads.UploadOptions`.
         """
         data = upload_form(given) | _wire.body(rig_id=rig_id)
         if averages is not None:

@@ -47,7 +47,7 @@ def estimated_averages(values: ComplexArray, coherence: FloatArray, window: Wind
         return None
     variance = np.abs(values) ** 2 * np.maximum(relative, COHERENCE_ROUNDING)
     ratios = _scatter(values, np.where(known, variance, np.nan), window)
-    scale = _typical(ratios, LINE_SCATTER.min_stretches)
+    scale = _typical(ratios)
     if scale is None:
         raise InvalidInputError(
             "too few lines to estimate the averages, which coherence alone does not tell",
@@ -67,7 +67,7 @@ def estimated_error(values: ComplexArray, window: Window) -> tuple[Estimate, ...
     ratios = _scatter(values, variance, window)
     errors = []
     for ratio, size in zip(ratios.T, np.median(np.abs(values), axis=0), strict=True):
-        scale = _typical(ratio[:, None], LINE_SCATTER.min_stretches)
+        scale = _typical(ratio[:, None])
         if scale is None or not size > 0:
             return None
         deviation = np.sqrt(scale.value / 2) / size
@@ -135,14 +135,14 @@ def _correlation(window: Window, width: int) -> FloatArray:
     return np.asarray(by_lag[lag])
 
 
-def _typical(ratios: FloatArray, min_stretches: int) -> Estimate | None:
+def _typical(ratios: FloatArray) -> Estimate | None:
     """Return the variance that stretches show, by their median, with the error that groups of them show.
 
     The median, as in some stretches the model does not hold; groups of whole stretches, as the noise of a
     force is in all FRFs.
     """
     n = len(ratios)
-    if n < min_stretches or np.isfinite(ratios).any(axis=1).sum() < min_stretches:
+    if np.isfinite(ratios).any(axis=1).sum() < LINE_SCATTER.min_stretches:
         return None
     freedom = 2 * (LINE_SCATTER.stretch_lines - 2 * LINE_SCATTER.order - 1)
     # Wilson and Hilferty (1931): the median of a chi-square variable over its mean.

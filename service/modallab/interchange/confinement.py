@@ -11,8 +11,9 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -35,6 +36,13 @@ _ENVIRONMENT = {
 }
 
 
+class Content(StrEnum):
+    """What is read from files."""
+
+    FRFS = "frfs"
+    MODES = "modes"
+
+
 @dataclass(frozen=True)
 class NamedFile:
     """A file of a test as it comes in."""
@@ -46,9 +54,14 @@ class NamedFile:
 
 
 def read_confined(
-    files: Sequence[NamedFile], options: ReadingOptions, *, largest: int
+    files: Sequence[NamedFile],
+    options: ReadingOptions,
+    *,
+    largest: int,
+    content: Content = Content.FRFS,
+    check: Callable[[bytes], object] = format_of,
 ) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
-    """Return what the files of a test hold, read by another process: as JSON, and arrays by name.
+    """Return what files hold, read by another process: as JSON, and arrays by name.
 
     Parameters
     ----------
@@ -58,6 +71,10 @@ def read_confined(
         What the files do not say.
     largest
         Bytes that the files together, and their arrays, may have.
+    content
+        What is read from them.
+    check
+        Refuses the first bytes of a file of no format with this content: it costs no process.
 
     Raises
     ------
@@ -66,9 +83,10 @@ def read_confined(
     """
     limit = min(largest, CONFINEMENT.max_bytes)
     with tempfile.TemporaryDirectory(prefix="modallab-") as folder:
-        total = _copy(files, Path(folder), limit)
+        total = _copy(files, Path(folder), limit, check)
         seconds = CONFINEMENT.processor_seconds + int(total / CONFINEMENT.bytes_per_second)
         request = {
+            "content": content,
             "names": [named.name for named in files],
             "options": options.as_json(),
             "largest": limit,
@@ -84,20 +102,20 @@ def read_confined(
     return about, arrays
 
 
-def _copy(files: Sequence[NamedFile], folder: Path, limit: int) -> int:
+def _copy(files: Sequence[NamedFile], folder: Path, limit: int, check: Callable[[bytes], object]) -> int:
     """Copy files of known formats into a folder, under their numbers; return their bytes."""
     total = 0
     for number, named in enumerate(files):
         with (folder / str(number)).open("wb") as copy:
             head = named.file.read(READING.head_bytes)
-            format_of(head)  # what is of no format costs no process
+            check(head)
             named.file.seek(0)
             while chunk := named.file.read(CONFINEMENT.chunk_bytes):
                 total += len(chunk)
                 if total > limit:
                     raise InvalidInputError(
-                        f"the file is larger than {limit / 1e6:g} MB; what does not belong to FRFs, such as "
-                        "time records, may be left out of it",
+                        f"the file is larger than {limit / 1e6:g} MB; what belongs to neither FRFs nor "
+                        "modes, such as time records, may be left out of it",
                         field="file",
                         allowed=bounds(maximum=limit, unit="bytes"),
                     )

@@ -1,14 +1,17 @@
-"""What is known of a test beside its files: averages, exciter, window."""
+"""What is known of a test beside its files: averages, exciter, window and its end."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from modallab.core.assumption import Assumption
 from modallab.core.errors import InvalidInputError, bounds
 from modallab.estimation.windows import WINDOWS
 from modallab.interchange.settings import READING
 from modallab.rig.analyser import Analyser
+from modallab.rig.excitation import ExcitationSetting
+from modallab.rig.hardware import within
+from modallab.rig.settings import ACQUISITION
 from modallab.rig.setup import RigSetup
 
 ExciterKind = Literal["shaker", "hammer"]
@@ -24,6 +27,8 @@ class DeclaredTest:
     """`shaker` or `hammer`, of a test without a log book."""
     window: str | None = None
     """Window of a test without a log book."""
+    window_end: float | None = None
+    """1, height of an exponential window at the end of the record, of a test without a log book."""
 
     def __post_init__(self) -> None:
         if self.averages is not None and not 1 <= self.averages <= READING.max_stated_averages:
@@ -41,12 +46,32 @@ class DeclaredTest:
                 raise InvalidInputError(
                     f"there is no {name} {str(value)!r}", field=name, value=value, allowed=allowed
                 )
+        if self.window_end is not None:
+            within("window_end", self.window_end, *ACQUISITION.window_end_bounds)
+
+    @property
+    def analyser_window(self) -> dict[str, Any]:
+        """Window and height of its end, as an analyser has them, of a test without a log book.
+
+        Raises
+        ------
+        InvalidInputError
+            If a height is declared of a window that does not decay.
+        """
+        window = self.window or Analyser.window
+        if self.window_end is None:
+            return {"window": window}
+        _check_decaying(window)
+        return {"window": window, "window_end": self.window_end}
 
     def check_against(self, setup: RigSetup) -> None:
         """Raise unless the log book agrees with what is declared beside it."""
+        if self.window_end is not None:
+            _check_decaying(setup.analyser.window)
         for name, value, known in (
             ("exciter", self.exciter, setup.exciter.kind),
             ("window", self.window, setup.analyser.window),
+            ("window_end", self.window_end, setup.analyser.window_end),
         ):
             if value not in (None, known):
                 raise InvalidInputError(
@@ -63,9 +88,22 @@ class DeclaredTest:
             yield Assumption("exciter", exciter, "`exciter` is not declared")
         if self.window is None:
             yield Assumption("window", Analyser.window, "`window` is not declared")
-        elif WINDOWS[self.window].end < 1:
-            reason = "height of the exponential window at its end; a rig declares it as `window_end`"
+        elif self.window_end is None and WINDOWS[self.window].end < 1:
+            reason = "height of the exponential window at its end; `window_end` is not declared"
             yield Assumption("window_end", f"{Analyser.window_end:g}", reason)
+        reason = "records without leakage; a rig declares another source as `analyser.excitation`"
+        yield Assumption("excitation", ExcitationSetting.kind, reason)
+
+
+def _check_decaying(window: str) -> None:
+    """Raise `InvalidInputError` if a window is not exponential."""
+    if WINDOWS[window].end == 1:
+        raise InvalidInputError(
+            f"the window is {window}, which does not decay: only an exponential one has a `window_end`",
+            field="window_end",
+            value=window,
+            allowed=[name for name, known in WINDOWS.items() if known.end < 1],
+        )
 
 
 NOTHING_DECLARED = DeclaredTest()

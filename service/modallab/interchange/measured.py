@@ -76,7 +76,9 @@ class MeasuredFile(FileContent):
             responses=self.frf.outputs,
             exciter=Exciter(kind=exciter),
             analyser=replace(
-                analyser, window=window, excitation=ExcitationSetting(level=None, shape="unknown")
+                analyser,
+                **declared.analyser_window,
+                excitation=ExcitationSetting(level=None, shape="unknown"),
             ),
             noise=Noise(None, None),
         )

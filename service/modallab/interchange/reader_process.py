@@ -1,4 +1,4 @@
-"""Separate program that reads the files of a test in a folder, and writes their FRFs to standard output.
+"""Separate program that reads the files in a folder, and writes their FRFs or modes to standard output.
 
 Exit code 3, with the reason as JSON in the last line of standard error: the files are refused. Any other
 code than 0: a parser failed.
@@ -8,44 +8,59 @@ import io
 import json
 import sys
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from modallab.core.errors import InvalidInputError
-from modallab.interchange.confinement import REFUSED, REQUEST
-from modallab.interchange.file_content import FileContent, Piece
+from modallab.interchange import uff_modes
+from modallab.interchange.confinement import REFUSED, REQUEST, Content
+from modallab.interchange.file_content import Piece
 from modallab.interchange.format import read_pieces
+from modallab.interchange.mode_parts import mode_parts
 from modallab.interchange.reading_options import options_from_json
+
+Parts = tuple[dict[str, Any], dict[str, Any]]
 
 
 def main(folder: str) -> None:
-    """Write the FRFs of the files in a folder to standard output."""
+    """Write the FRFs or modes of the files in a folder to standard output."""
     request = json.loads((Path(folder) / REQUEST).read_text())
     tempfile.tempdir = folder  # removed by the caller, whatever becomes of this process
     _confine(request)
     try:
-        content = _content(Path(folder), request)
+        about, arrays = _READERS[request["content"]](Path(folder), request)
     except InvalidInputError as error:
         _refuse(str(error), error.context)
     except MemoryError:
         _refuse("the file is larger inside than outside", {"field": "file"})
-    _write(content)
+    _write(about, arrays)
 
 
-def _content(folder: Path, request: dict[str, Any]) -> FileContent:
+def _frfs(folder: Path, request: dict[str, Any]) -> Parts:
     pieces = [
         Piece(name, (folder / str(index)).read_bytes(), index + 1)
         for index, name in enumerate(request["names"])
     ]
-    return read_pieces(pieces, options_from_json(request["options"]), largest=request["largest"])
+    content = read_pieces(pieces, options_from_json(request["options"]), largest=request["largest"])
+    return content.as_json(), content.as_arrays()
 
 
-def _write(content: FileContent) -> None:
+def _modes(folder: Path, request: dict[str, Any]) -> Parts:
+    return mode_parts(uff_modes.read((folder / "0").read_bytes(), largest=request["largest"]))
+
+
+_READERS: dict[str, Callable[[Path, dict[str, Any]], Parts]] = {
+    Content.FRFS: _frfs,
+    Content.MODES: _modes,
+}
+
+
+def _write(about: dict[str, Any], arrays: dict[str, Any]) -> None:
     buffer = io.BytesIO()
-    about = np.array(json.dumps(content.as_json()))
-    np.savez(buffer, allow_pickle=False, about=about, **content.as_arrays())
+    np.savez(buffer, allow_pickle=False, about=np.array(json.dumps(about)), **arrays)
     sys.stdout.buffer.write(buffer.getbuffer())
     sys.stdout.buffer.flush()
 

@@ -5,13 +5,14 @@ from typing import BinaryIO
 
 from modallab.core.errors import InvalidInputError
 from modallab.core.modal_model import ModalModel
-from modallab.interchange import uff, uff_modes
-from modallab.interchange.confinement import NamedFile, read_confined
+from modallab.interchange import uff
+from modallab.interchange.confinement import Content, NamedFile, read_confined
 from modallab.interchange.declared import NOTHING_DECLARED, DeclaredTest
 from modallab.interchange.file_content import fields_from
 from modallab.interchange.measured import MeasuredFile
+from modallab.interchange.mode_parts import modes_from
 from modallab.interchange.reading_options import NO_OPTIONS, ReadingOptions
-from modallab.interchange.settings import READING, UNIVERSAL
+from modallab.interchange.settings import UNIVERSAL
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 
@@ -63,11 +64,15 @@ def read_modal_model(file: BinaryIO, *, largest: int) -> ModalModel:
     Raises
     ------
     InvalidInputError
-        If it is no universal file, is damaged, or holds no modes.
+        If it is no universal file, is damaged, holds no modes, or takes too much memory or time.
     """
-    head = file.read(READING.head_bytes)
+    limit = min(largest, UNIVERSAL.max_bytes)
+    parts = read_confined(
+        (NamedFile("", file),), NO_OPTIONS, largest=limit, content=Content.MODES, check=_check_universal
+    )
+    return modes_from(*parts)
+
+
+def _check_universal(head: bytes) -> None:
     if not uff.starts(head):
         raise InvalidInputError("the file is no universal file", field="file", allowed="universal file (55)")
-    limit = min(largest, UNIVERSAL.max_bytes)
-    file.seek(0)  # a sum of head and rest would hold the file twice
-    return uff_modes.read(file.read(limit + 1), largest=limit)

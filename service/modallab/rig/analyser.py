@@ -54,7 +54,7 @@ class Analyser:
         within("frequency_max", self.frequency_max, 1e-3, 1e6)
         within("n_lines", self.n_lines, 8, 1_000_000)
         within("frequency_min", self.frequency_min, 0.0, np.nextafter(self.frequency_max, 0.0))
-        within("window_end", self.window_end, 1e-6, 0.999)
+        within("window_end", self.window_end, *ACQUISITION.window_end_bounds)
         within("force_width", self.force_width, 1e-3, 0.999)
         if self.averages is not None:
             within("averages", self.averages, 1, 100_000)

@@ -23,6 +23,12 @@ class AcquisitionSettings(Settings):
         doc="distance of a stated frequency from a line of the record",
         derived="frequencies in single precision are off by 0.06 lines at the millionth line, less before",
     )
+    window_end_bounds: tuple[float, float] = setting(
+        (1e-6, 0.999),
+        unit="1",
+        doc="least and largest height of an exponential window at the end of the record",
+        derived="a window that ends at 1 does not decay; below, the end of a record is lost in rounding",
+    )
 
 
 @dataclass(frozen=True)

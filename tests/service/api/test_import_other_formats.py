@@ -20,7 +20,7 @@ def test_a_matlab_file_is_imported_without_a_rig(service: Any) -> None:
     assert reply.status_code == 201, reply.text
     body = reply.json()
     assert (body["kind"], body["outputs"], body["averages"]) == ("inertance", outputs, 5.0)
-    assert [a["quantity"] for a in body["assumed"]] == ["random_error", "window"]
+    assert [a["quantity"] for a in body["assumed"]] == ["random_error", "window", "excitation"]
     assert service.request("GET", f"/v1/measurements/{body['id']}").json()["assumed"] == body["assumed"]
 
 
@@ -47,3 +47,19 @@ def test_a_field_that_cannot_be_read_is_named_with_an_example(service: Any) -> N
         reply = imported(service, matlab(f=f, H=h), **{field: text})
         assert (reply.status_code, reply.json()["context"]["field"]) == (422, field)
         assert reply.json()["context"]["allowed"]
+
+
+def test_the_end_of_an_exponential_window_is_declared_beside_a_file(service: Any) -> None:
+    f, h = curves(n_out=2)
+    declared = {"exciter": "hammer", "window": "exponential", "averages": "5"}
+    assumed = imported(service, matlab(f=f, H=h), **declared).json()
+    assert "window_end" in [a["quantity"] for a in assumed["assumed"]]
+    reply = imported(service, matlab(f=f, H=h), window_end="0.3", **declared)
+    assert reply.status_code == 201, reply.text
+    assert "window_end" not in [a["quantity"] for a in reply.json()["assumed"]]
+    rig = service.get(f"/v1/rigs/{reply.json()['rig_id']}")
+    assert rig["analyser"]["window_end"] == 0.3
+    for end, window in (("0.3", "hann"), ("1.5", "exponential")):
+        refused = imported(service, matlab(f=f, H=h), window=window, window_end=end)
+        assert refused.status_code == 422
+        assert refused.json()["context"]["field"].endswith("window_end")

@@ -73,6 +73,7 @@ def test_what_nobody_declares_is_assumed_and_said() -> None:
         "random_error",
         "exciter",
         "window_end",
+        "excitation",
     ]
     assert (measurement.averages, measurement.setup.analyser.window) == (7.0, "exponential")
 

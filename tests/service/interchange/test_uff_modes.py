@@ -2,6 +2,7 @@
 
 import io
 import tracemalloc
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, Literal
@@ -16,6 +17,7 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.modal_model import ModalModel, Mode
 from modallab.interchange import reading, uff, uff_modes
+from modallab.interchange.settings import CONFINEMENT, UNIVERSAL
 from modallab.interchange.uff_text import Origin
 
 LIMIT = 200_000_000
@@ -37,8 +39,8 @@ def model(
 
 
 def read(payload: bytes) -> ModalModel:
-    """Return what a file holds."""
-    return reading.read_modal_model(io.BytesIO(payload), largest=LIMIT)
+    """Return what a file holds, read in this process."""
+    return uff_modes.read(payload, largest=UNIVERSAL.max_bytes)
 
 
 def by_point(of: ModalModel) -> dict[Dof, Any]:
@@ -340,3 +342,31 @@ def test_a_file_of_frfs_is_no_modal_model() -> None:
 
     with pytest.raises(InvalidInputError, match="no mode"):
         read(uff.write(measured()))
+
+
+def test_another_process_reads_the_same_modes() -> None:
+    payload = uff_modes.write(model(is_complex=True, normalisation="none"))
+    here, confined = read(payload), reading.read_modal_model(io.BytesIO(payload), largest=LIMIT)
+    assert (confined.dofs, confined.normalisation, confined.notes) == (here.dofs, "none", here.notes)
+    np.testing.assert_array_equal(confined.shapes, here.shapes)
+    np.testing.assert_array_equal(confined.frequencies, here.frequencies)
+    np.testing.assert_array_equal(confined.loss_factors, here.loss_factors)
+
+
+@pytest.mark.parametrize("case", ["NaN", "24 MB of nodes", "no universal file", "200 MB that begin well"])
+def test_another_process_refuses_with_the_same_field(case: str) -> None:
+    with pytest.raises(InvalidInputError) as here:
+        read(HOSTILE[case])
+    with pytest.raises(InvalidInputError) as confined:
+        reading.read_modal_model(io.BytesIO(HOSTILE[case]), largest=LIMIT)
+    assert confined.value.context["field"] == here.value.context["field"]
+
+
+def test_a_reader_of_modes_that_runs_out_of_memory_harms_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    payload = uff_modes.write(model(tuple(Dof(node, "Y") for node in range(1, 4_000))))
+    assert len(read(payload).dofs) == 3_999
+    little = replace(CONFINEMENT, memory_bytes=1_000_000, memory_per_byte=0)
+    monkeypatch.setattr("modallab.interchange.confinement.CONFINEMENT", little)
+    with pytest.raises(InvalidInputError) as caught:
+        reading.read_modal_model(io.BytesIO(payload), largest=LIMIT)
+    assert caught.value.context["field"] == "file"

@@ -14,6 +14,7 @@ from modallab.core.frf import FrfKind
 from modallab.interchange.declared import DeclaredTest, ExciterKind
 from modallab.interchange.reading_options import ColumnName, ReadingOptions
 from modallab.interchange.settings import READING
+from modallab.rig.settings import ACQUISITION
 
 _T = TypeVar("_T")
 _JSON = {"contentMediaType": "application/json"}
@@ -104,6 +105,14 @@ def import_form(
         ExciterKind | None, Form(description="`shaker` or `hammer`, of a test without a rig")
     ] = None,
     window: Annotated[WindowName | None, Form(description="window of a test without a rig")] = None,
+    window_end: Annotated[
+        float | None,
+        Form(
+            ge=ACQUISITION.window_end_bounds[0],
+            le=ACQUISITION.window_end_bounds[1],
+            description="height of an exponential `window` at the end of the record",
+        ),
+    ] = None,
 ) -> ImportForm:
     """Return the fields of an import beside its files."""
     stated = {
@@ -117,7 +126,7 @@ def import_form(
         "variables": _parsed(variables, "variables", _NAMES),
     }
     given: dict[str, Any] = {name: value for name, value in stated.items() if value is not None}
-    return ImportForm(rig_id, ReadingOptions(**given), DeclaredTest(averages, exciter, window))
+    return ImportForm(rig_id, ReadingOptions(**given), DeclaredTest(averages, exciter, window, window_end))
 
 
 def _parsed(text: str | None, field: str, expected: TypeAdapter[_T]) -> _T | None:

@@ -8,6 +8,7 @@ from modallab.api.wire import Count, Number, Wire
 from modallab.estimation.estimator import ESTIMATORS
 from modallab.estimation.windows import WINDOWS
 from modallab.rig.analyser import Analyser, ExcitationSetting
+from modallab.rig.settings import ACQUISITION
 
 _DEFAULT = Analyser()
 _SPECS = ExcitationSetting.specs()
@@ -72,7 +73,7 @@ class AnalyserIn(Wire):
     """Hz, high-pass corner (3 dB) of AC coupling"""
     mass_cancellation: Annotated[Number, Limits(0.0, 5.0)] = _DEFAULT.mass_cancellation
     """kg, mass times the drive point acceleration that is subtracted from the force"""
-    window_end: Annotated[Number, Limits(1e-6, 0.999)] = _DEFAULT.window_end
+    window_end: Annotated[Number, Limits(*ACQUISITION.window_end_bounds)] = _DEFAULT.window_end
     """1, height of an exponential window at the end of the record"""
     force_width: Annotated[Number, Limits(1e-3, 0.999)] = _DEFAULT.force_width
     """1, share of the record that a force window passes"""

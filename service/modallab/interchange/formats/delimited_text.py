@@ -1,6 +1,7 @@
 """Delimited text: csv, tsv, semicolons, analyser exports in columns."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 
@@ -8,11 +9,12 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.assumption import Assumption
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
-from modallab.core.frf import FrfSet
+from modallab.core.frf import FrfKind, FrfSet
 from modallab.interchange.column_roles import Roles, form_of, roles_of
 from modallab.interchange.delimited import Table, read_table
 from modallab.interchange.file_content import FileContent, Piece, merged
 from modallab.interchange.format import FRF_FORMATS, FrfFormat
+from modallab.interchange.header_units import HeaderUnit, header_unit, hertz
 from modallab.interchange.points import ends_of_frfs
 from modallab.interchange.reading_options import ReadingOptions
 from modallab.interchange.settings import TABLE
@@ -34,11 +36,12 @@ def _read(piece: Piece, options: ReadingOptions, largest: int) -> FileContent:
         )
     table = read_table(piece.content)
     roles, assumed = roles_of(table, options)
-    freq = table.columns[:, roles["freq"][0]].real
+    freq = table.columns[:, roles["freq"][0]].real * hertz(_label(table, roles["freq"][0]))
     curves, form_assumed = _curves(table, roles)
     label = " ".join((*table.names, *table.header[-TABLE.header_looked_at :]))
-    kind, kind_assumed = stated_kind(options, label)
     labels = [_label(table, index) for index in roles[form_of(roles)[0]]]
+    header = HeaderUnit() if options.unit else header_unit(labels)
+    kind, kind_assumed = _kind(options, header, label)
     if len(labels) == 1:
         labels = [f"{labels[0]} {' '.join(table.header[-TABLE.header_looked_at :])}"]
     ends, points_assumed = ends_of_frfs(labels, piece.name, piece.number, options)
@@ -52,7 +55,21 @@ def _read(piece: Piece, options: ReadingOptions, largest: int) -> FileContent:
         )
         for index, (output, source) in enumerate(_distinct(ends))
     ]
-    return merged(contents)
+    content = merged(contents)
+    if header.unit is None or options.scale != 1.0:  # a stated scale is one to SI
+        return content
+    return content.scaled(header.unit.response, header.unit.force, header.unit.kind)
+
+
+def _kind(options: ReadingOptions, header: HeaderUnit, label: str) -> tuple[FrfKind, tuple[Assumption, ...]]:
+    """Return the kind of the FRFs, and what of kind and unit is assumed."""
+    if header.unit is not None:
+        return stated_kind(replace(options, unit=header.text), label)
+    kind, assumed = stated_kind(options, label)
+    if header.unclear:
+        reason = f"the header has [{header.unclear}], which is no motion per force; `unit` states it"
+        assumed = tuple(replace(assumption, reason=reason) for assumption in assumed)
+    return kind, assumed
 
 
 def _label(table: Table, index: int) -> str:
