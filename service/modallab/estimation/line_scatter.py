@@ -4,10 +4,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.numerics import COHERENCE_ROUNDING, SAFE_DIVISOR
-from modallab.estimation.settings import LINE_SCATTER, SPECTRUM
+from modallab.estimation.error_correlation import (
+    ErrorCorrelation,
+    likeliest_correlation,
+    refined_correlation,
+)
+from modallab.estimation.settings import LINE_SCATTER
 from modallab.estimation.windows import Window
 
 
@@ -21,11 +26,34 @@ class Estimate:
     """Its standard error, in the same unit."""
 
 
-def estimated_averages(values: ComplexArray, coherence: FloatArray, window: Window) -> Estimate | None:
+@dataclass(frozen=True)
+class AveragesEstimate(Estimate):
+    """Effective number of averages, with the window that the lines show."""
+
+    correlation: ErrorCorrelation
+    """Correlation of the errors of neighbouring lines under which the residuals are most likely."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Stretches:
+    """Groups of neighbouring lines, each of one FRF."""
+
+    frf: ComplexArray
+    """(n, n_lines) lines over the rms of the stretch."""
+    deviation: FloatArray
+    """(n, n_lines) standard deviation over the same rms, smooth within the stretch."""
+    usable: BoolArray
+    """(n_stretches, n_frf) which of all groups these n are."""
+
+
+def estimated_averages(
+    values: ComplexArray, coherence: FloatArray, window: Window | None
+) -> AveragesEstimate | None:
     """Return the effective number of averages of a coherence; None if it is 1: there is no random error.
 
-    H1 of n averages scatters about its expectation by |H|^2 (1 - g2)/(g2 (n - 2)), g2 the coherence (Goodman
-    1963): the scatter of neighbouring lines tells n.
+    Given the forces of n averages H1 scatters by the noise of the response over n G_ff, and the incoherent
+    power is on average (n - 1)/n of that noise (Goodman 1963): the scatter of neighbouring lines is
+    |H|^2 (1 - g2)/(g2 (n - 1)), with g2 the estimated coherence, and tells n.
 
     Parameters
     ----------
@@ -34,7 +62,7 @@ def estimated_averages(values: ComplexArray, coherence: FloatArray, window: Wind
     coherence
         (n_freq, n_frf), 0 to 1.
     window
-        Window of the records, which correlates neighbouring lines.
+        Window of the records, which correlates neighbouring lines; None: unknown.
 
     Raises
     ------
@@ -46,30 +74,33 @@ def estimated_averages(values: ComplexArray, coherence: FloatArray, window: Wind
     if not (relative[known] > COHERENCE_ROUNDING).any():
         return None
     variance = np.abs(values) ** 2 * np.maximum(relative, COHERENCE_ROUNDING)
-    ratios = _scatter(values, np.where(known, variance, np.nan), window)
-    scale = _typical(ratios)
-    if scale is None:
+    stretches = _stretches(values, np.where(known, variance, np.nan))
+    if stretches.usable.any(axis=1).sum() < LINE_SCATTER.min_stretches:
         raise InvalidInputError(
             "too few lines to estimate the averages, which coherence alone does not tell",
             field="averages",
             allowed=bounds(1),
         )
+    correlation, beside = _correlations(stretches, window)
+    scale, other = (_typical(_scatter(stretches, each)) for each in (correlation, beside))
     n = 1 / max(scale.value, SAFE_DIVISOR)
-    return Estimate(2 + n, n * scale.standard_error / max(scale.value, SAFE_DIVISOR))
+    error = np.hypot(scale.standard_error, other.value - scale.value) / max(scale.value, SAFE_DIVISOR)
+    return AveragesEstimate(1 + n, n * float(error), correlation)
 
 
-def estimated_error(values: ComplexArray, window: Window) -> tuple[Estimate, ...] | None:
+def estimated_error(values: ComplexArray, window: Window | None) -> tuple[Estimate, ...] | None:
     """Return the random error of each FRF, (n_frf,) over the median of its magnitude; None if not told.
 
     The standard deviation of the real part, which is the relative error of the magnitude, at the median line.
     """
-    variance = np.ones(values.shape)
-    ratios = _scatter(values, variance, window)
+    stretches = _stretches(values, np.ones(values.shape))
+    sizes = np.median(np.abs(values), axis=0)
+    if len(stretches.usable) < LINE_SCATTER.min_stretches or not (sizes > 0).all():
+        return None
+    ratios = _scatter(stretches, _correlations(stretches, window)[0])
     errors = []
-    for ratio, size in zip(ratios.T, np.median(np.abs(values), axis=0), strict=True):
+    for ratio, size in zip(ratios.T, sizes, strict=True):
         scale = _typical(ratio[:, None])
-        if scale is None or not size > 0:
-            return None
         deviation = np.sqrt(scale.value / 2) / size
         errors.append(
             Estimate(deviation, deviation * scale.standard_error / (2 * scale.value + SAFE_DIVISOR))
@@ -77,78 +108,95 @@ def estimated_error(values: ComplexArray, window: Window) -> tuple[Estimate, ...
     return tuple(errors)
 
 
-def _scatter(values: ComplexArray, variance: FloatArray, window: Window) -> FloatArray:
-    """Return squares of residuals over their expectation, (n_stretches, n_frf); nan if unknown.
+def _stretches(values: ComplexArray, variance: FloatArray) -> _Stretches:
+    """Return groups of neighbouring lines of all FRFs.
+
+    The variance (n_freq, n_frf) of a line has an error of its own, so that a stretch has one level of it: of
+    the variance itself or of the relative one, whichever is more even.
+    """
+    width = LINE_SCATTER.stretch_lines
+    n, n_frf = len(values) // width, values.shape[1]
+    step = max(1, n * n_frf // LINE_SCATTER.max_stretches)
+    index = np.arange(0, n, step)[:, None] * width + np.arange(width)
+    h, v = (part[index].transpose(0, 2, 1) for part in (values, variance))
+    usable = np.asarray(np.isfinite(v).all(axis=2) & (v > 0).all(axis=2))
+    h, v = h[usable], v[usable]
+    power = np.abs(h) ** 2
+    relative = v / np.maximum(power, SAFE_DIVISOR)
+    proportional = np.log(relative + SAFE_DIVISOR).var(axis=1) < np.log(v).var(axis=1)
+    level = np.where(
+        proportional[:, None],
+        power * relative.mean(axis=1, keepdims=True),
+        v.mean(axis=1, keepdims=True),
+    )
+    size = np.sqrt(power.mean(axis=1, keepdims=True)) + SAFE_DIVISOR
+    return _Stretches(h / size, np.sqrt(level) / size, usable)
+
+
+def _correlations(stretches: _Stretches, window: Window | None) -> tuple[ErrorCorrelation, ErrorCorrelation]:
+    """Return the correlation of the errors of neighbouring lines, and the one a standard error beside it.
+
+    Fits to lines taken as independent start it; those to lines made independent are less biased.
+    """
+    n = LINE_SCATTER.stretch_lines
+    start = likeliest_correlation(*_residuals(stretches, np.eye(n)), window)
+    if not start.exponential:
+        return start, start
+    return refined_correlation(*_residuals(stretches, start.whitening(n)), start)
+
+
+def _scatter(stretches: _Stretches, correlation: ErrorCorrelation) -> FloatArray:
+    """Return mean squares of residuals over their expectation, (n_stretches, n_frf); nan if unknown."""
+    _, residual = _residuals(stretches, correlation.whitening(LINE_SCATTER.stretch_lines))
+    ratios = np.full(stretches.usable.shape, np.nan)
+    ratios[stretches.usable] = (np.abs(residual) ** 2).mean(axis=1)
+    return ratios
+
+
+def _residuals(
+    stretches: _Stretches, whitening: FloatArray | ComplexArray
+) -> tuple[ComplexArray, ComplexArray]:
+    """Return the columns that smooth fits leave free, (n, n_lines, n_spare), and the lines along them.
 
     In every stretch a quotient of quadratic polynomials is fitted, which takes up two resonances; linearised
     least squares are weighted anew by the denominator (Sanathanan and Koerner 1963).
+
+    Parameters
+    ----------
+    whitening
+        (n_lines, n_lines) matrix that makes the errors of lines over their standard deviation independent.
     """
-    width, order = LINE_SCATTER.stretch_lines, LINE_SCATTER.order
-    n = len(values) // width
-    if n == 0:
-        return np.zeros((0, values.shape[1]))
-    stretches = np.arange(n)
-    step = max(1, n * values.shape[1] // LINE_SCATTER.max_stretches)
-    stretches = stretches[::step]
-    index = stretches[:, None] * width + np.arange(width)
-    h = values[index].transpose(0, 2, 1)
-    sigma = np.sqrt(variance[index].transpose(0, 2, 1))
-    usable = np.isfinite(sigma).all(axis=2) & (sigma > 0).all(axis=2)
-    sigma = np.where(usable[..., None], sigma, 1.0)
-    size = np.sqrt((np.abs(h) ** 2).mean(axis=2, keepdims=True)) + SAFE_DIVISOR
-    h, sigma = h / size, sigma / size
-    t = np.linspace(-1.0, 1.0, width)
-    powers = t ** np.arange(order + 1)[:, None]
-    columns = np.concatenate(
-        [
-            np.broadcast_to(powers, (*h.shape[:2], order + 1, width)),
-            -h[:, :, None] * powers[1:],
-        ],
-        axis=2,
-    ).swapaxes(2, 3)
+    h, order = stretches.frf, LINE_SCATTER.order
+    powers = np.linspace(-1.0, 1.0, h.shape[1]) ** np.arange(order + 1)[:, None]
+    numerator = np.broadcast_to(powers, (len(h), order + 1, h.shape[1]))
+    columns = np.concatenate([numerator, -h[:, None] * powers[1:]], axis=1).swapaxes(1, 2)
     denominator = np.ones(h.shape, complex)
     for _ in range(LINE_SCATTER.reweightings):
-        weight = 1 / (sigma * np.abs(denominator))
-        q, r = np.linalg.qr(columns * weight[..., None])
-        target = h * weight
-        projected = (q.conj().swapaxes(2, 3) @ target[..., None])[..., 0]
+        weight = 1 / (stretches.deviation * denominator)
+        weighted = whitening @ (columns * weight[..., None])
+        target = (h * weight) @ whitening.T
+        q, r = np.linalg.qr(weighted)
+        projected = q.conj().swapaxes(1, 2) @ target[..., None]
         regular = r + SAFE_DIVISOR * np.eye(r.shape[-1])
-        solution = np.linalg.solve(regular, projected[..., None])[..., 0]
-        denominator = 1 + solution[..., order + 1 :] @ powers[1:]
+        solution = np.linalg.solve(regular, projected)[..., 0]
+        denominator = 1 + solution[:, order + 1 :] @ powers[1:]
         denominator = np.where(np.abs(denominator) > LINE_SCATTER.least_denominator, denominator, 1.0)
-    residual = target - (q @ projected[..., None])[..., 0]
-    correlation = _correlation(window, width)
-    taken = np.einsum("wfka,kl,wfla->wf", q.conj(), correlation, q).real
-    expected = np.trace(correlation) - taken
-    squares = (np.abs(residual) ** 2).sum(axis=2)
-    return np.asarray(np.where(usable, squares / expected, np.nan))
+    complete = np.linalg.qr(weighted, mode="complete")[0]
+    spare = complete[..., columns.shape[-1] :]
+    return whitening.conj().T @ spare, (spare.conj().swapaxes(1, 2) @ target[..., None])[..., 0]
 
 
-def _correlation(window: Window, width: int) -> FloatArray:
-    """Return the correlation (width, width) of the random errors of H1 at neighbouring lines.
-
-    A window correlates the lines of force and noise alike; those of their product by the square.
-    """
-    power = window.samples(SPECTRUM.window_samples) ** 2
-    by_lag = np.abs(np.fft.fft(power)[:width] / power.sum()) ** 2
-    lag = np.abs(np.arange(width)[:, None] - np.arange(width))
-    return np.asarray(by_lag[lag])
-
-
-def _typical(ratios: FloatArray) -> Estimate | None:
+def _typical(ratios: FloatArray) -> Estimate:
     """Return the variance that stretches show, by their median, with the error that groups of them show.
 
     The median, as in some stretches the model does not hold; groups of whole stretches, as the noise of a
     force is in all FRFs.
     """
-    n = len(ratios)
-    if np.isfinite(ratios).any(axis=1).sum() < LINE_SCATTER.min_stretches:
-        return None
     freedom = 2 * (LINE_SCATTER.stretch_lines - 2 * LINE_SCATTER.order - 1)
     # Wilson and Hilferty (1931): the median of a chi-square variable over its mean.
     median_of_chi_square = (1 - 2 / (9 * freedom)) ** 3
     scale = float(np.nanmedian(ratios)) / median_of_chi_square
-    n_groups = min(LINE_SCATTER.groups, n // 2)
+    n_groups = min(LINE_SCATTER.groups, len(ratios) // 2)
     groups = [ratios[i::n_groups] for i in range(n_groups)]
     medians = np.array([np.nanmedian(group) for group in groups if np.isfinite(group).any()])
     return Estimate(scale, float(medians.std(ddof=1) / np.sqrt(len(medians)) / median_of_chi_square))

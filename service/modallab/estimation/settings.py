@@ -101,7 +101,10 @@ class LineScatterSettings(Settings):
     """Scatter of neighbouring lines about a local model."""
 
     stretch_lines: int = setting(
-        13, unit="lines", doc="lines of a stretch", derived="more than twice the parameters of its model"
+        17,
+        unit="lines",
+        doc="lines of a stretch",
+        tuned="simulated tests of the suite: the estimate is 5 to 10 % off with 13, 2 to 5 % with 17",
     )
     order: int = setting(
         2, doc="order of numerator and denominator of the model", derived="two resonances in a stretch"
@@ -116,7 +119,7 @@ class LineScatterSettings(Settings):
         0.1, doc="coherence below which a line is not used", derived="the random error of H1 is of its size"
     )
     max_stretches: int = setting(
-        20_000, unit="stretches", doc="stretches of all FRFs that are used", derived="0.3 % of the estimate"
+        8000, unit="stretches", doc="stretches of all FRFs that are used", derived="0.5 % of the estimate"
     )
     min_stretches: int = setting(
         6, unit="stretches", doc="stretches of each FRF that an estimate asks for", derived="10 to 20 %"
@@ -127,3 +130,46 @@ class LineScatterSettings(Settings):
 
 
 LINE_SCATTER = LineScatterSettings()
+
+
+@dataclass(frozen=True)
+class ErrorCorrelationSettings(Settings):
+    """Correlation of the errors of neighbouring lines."""
+
+    max_fits: int = setting(
+        1000, unit="fits", doc="local fits that are compared", derived="12,000 residuals for two parameters"
+    )
+    ends: tuple[float, ...] = setting(
+        (0.3, 0.1, 0.03, 0.01, 0.003, 0.001, 1e-4),
+        doc="heights of an exponential window at its end that are tried",
+        derived="those in use, a factor of three apart, from which the search goes on",
+    )
+    delays: tuple[float, ...] = setting(
+        (0.0, 0.025, 0.05, 0.1, 0.2),
+        unit="record lengths",
+        doc="times of the force in the record that are tried, the last one the largest",
+        derived="usual pre-triggers; the line-to-line phase of a delay is 2 pi times it",
+    )
+    least_end: float = setting(
+        1e-6, doc="least height of an exponential window at its end", derived="that of an analyser"
+    )
+    largest_end: float = setting(
+        0.9, doc="largest height of an exponential window at its end", derived="a higher one shows in no line"
+    )
+    first_steps: tuple[float, float] = setting(
+        (0.2, 0.02),
+        doc="first steps of the logarithm of the window's decay and of the delay",
+        derived="below half of the distance of the values tried",
+    )
+    parameter_tolerance: float = setting(
+        0.005, doc="step of either at which the search ends", derived="0.5 % of the decay"
+    )
+    likelihood_tolerance: float = setting(
+        1e-4, doc="gain of the mean log-likelihood at which it ends", derived="a tenth with all 1000 fits"
+    )
+    evaluations: int = setting(
+        60, unit="likelihoods", doc="largest number of evaluations", derived="a second of computation"
+    )
+
+
+ERROR_CORRELATION = ErrorCorrelationSettings()

@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 from modallab.core.assumption import Assumption
 from modallab.core.errors import InvalidInputError, bounds
+from modallab.estimation.error_correlation import ErrorCorrelation
 from modallab.estimation.windows import WINDOWS
 from modallab.interchange.settings import READING
 from modallab.rig.analyser import Analyser
@@ -82,12 +83,21 @@ class DeclaredTest:
         """Return the averages: as declared, or else as in the file, or else as in the rig."""
         return next((float(n) for n in (self.averages, in_file, in_rig) if n is not None), None)
 
-    def assumptions(self, exciter: str) -> Iterator[Assumption]:
-        """Yield what is assumed of a test without a log book."""
+    def assumptions(self, exciter: str, correlation: ErrorCorrelation | None) -> Iterator[Assumption]:
+        """Yield what is assumed of a test without a log book.
+
+        Parameters
+        ----------
+        exciter
+            Kind of exciter.
+        correlation
+            Correlation of the errors of neighbouring lines; None: unknown.
+        """
         if self.exciter is None:
             yield Assumption("exciter", exciter, "`exciter` is not declared")
         if self.window is None:
-            yield Assumption("window", Analyser.window, "`window` is not declared")
+            shown = "" if correlation is None else _shown(correlation)
+            yield Assumption("window", Analyser.window, f"`window` is not declared{shown}")
         elif self.window_end is None and WINDOWS[self.window].end < 1:
             reason = "height of the exponential window at its end; `window_end` is not declared"
             yield Assumption("window_end", f"{Analyser.window_end:g}", reason)
@@ -104,6 +114,17 @@ def _check_decaying(window: str) -> None:
             value=window,
             allowed=[name for name, known in WINDOWS.items() if known.end < 1],
         )
+
+
+def _shown(correlation: ErrorCorrelation) -> str:
+    """Return the window that errors of neighbouring lines show, as text; empty for a rectangular one."""
+    if correlation.exponential:
+        return (
+            "; errors of neighbouring lines are correlated as by an exponential window that falls to "
+            f"{correlation.window.end:.2g} at its end, which adds damping to every mode"
+        )
+    name = next(name for name, window in WINDOWS.items() if window == correlation.window)
+    return "" if name == Analyser.window else f"; errors of neighbouring lines are correlated as by `{name}`"
 
 
 NOTHING_DECLARED = DeclaredTest()

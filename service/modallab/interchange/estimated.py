@@ -1,19 +1,39 @@
 """Averages and random errors of a file that states none, from the scatter of its lines."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.assumption import Assumption
 from modallab.core.numerics import SAFE_DIVISOR
+from modallab.estimation.error_correlation import ErrorCorrelation
 from modallab.estimation.line_scatter import estimated_averages, estimated_error
-from modallab.estimation.windows import WINDOWS
+from modallab.estimation.windows import Window
 from modallab.interchange.file_content import FileContent
 from modallab.interchange.settings import READING
 from modallab.rig.analyser import Analyser
 
 
-def averages_of(content: FileContent, window: str) -> tuple[float, Assumption]:
-    """Return the effective averages of a file that states none, and the assumption that they are.
+@dataclass(frozen=True)
+class EstimatedAverages:
+    """Effective averages of a file that states none."""
+
+    value: float
+    """1, effective number of averages."""
+    assumption: Assumption
+    """What is assumed of them, with the reason."""
+    correlation: ErrorCorrelation | None = None
+    """Correlation of the errors of neighbouring lines; None if there is no random error."""
+
+
+def averages_of(content: FileContent, window: Window | None) -> EstimatedAverages:
+    """Return the effective averages of a file that states none.
+
+    Parameters
+    ----------
+    window
+        Window of the records; None: not declared.
 
     Raises
     ------
@@ -23,23 +43,23 @@ def averages_of(content: FileContent, window: str) -> tuple[float, Assumption]:
     usual = float(Analyser().simulated_averages)
     if content.coherence is None:
         reason = "nothing tells them; without coherence no random error follows from them"
-        return usual, Assumption("averages", f"{usual:g}", reason)
+        return EstimatedAverages(usual, Assumption("averages", f"{usual:g}", reason))
     values, coherence = _above_rest(content)
-    estimate = estimated_averages(values, coherence, WINDOWS[window])
+    estimate = estimated_averages(values, coherence, window)
     if estimate is None:
         reason = "nothing tells them; a coherence of 1 has no random error"
-        return usual, Assumption("averages", f"{usual:g}", reason)
+        return EstimatedAverages(usual, Assumption("averages", f"{usual:g}", reason))
     averages = min(estimate.value, READING.max_stated_averages)
     text = f"{averages:.4g} +- {estimate.standard_error:.2g}"
     reason = "estimated from coherence and the scatter of neighbouring lines; `averages` declares them"
-    return averages, Assumption("averages", text, reason)
+    return EstimatedAverages(averages, Assumption("averages", text, reason), estimate.correlation)
 
 
-def random_error_of(content: FileContent, window: str) -> tuple[Assumption, ...]:
+def random_error_of(content: FileContent, window: Window | None) -> tuple[Assumption, ...]:
     """Return the random error that the scatter of lines shows, of a file without coherence."""
     if content.coherence is not None:
         return ()
-    estimates = estimated_error(_above_rest(content)[0], WINDOWS[window])
+    estimates = estimated_error(_above_rest(content)[0], window)
     if estimates is None:
         return ()
     errors = [estimate.value for estimate in estimates]

@@ -6,11 +6,13 @@ from modallab.core.arrays import FloatArray
 from modallab.core.assumption import Assumption
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
+from modallab.estimation.error_correlation import ErrorCorrelation
+from modallab.estimation.windows import WINDOWS, Window
 from modallab.interchange.declared import NOTHING_DECLARED, DeclaredTest
 from modallab.interchange.estimated import averages_of, random_error_of
 from modallab.interchange.file_content import FileContent
 from modallab.interchange.frequency_axis import analyser_of, lines_on
-from modallab.rig.analyser import Analyser, ExcitationSetting
+from modallab.rig.analyser import ExcitationSetting
 from modallab.rig.hardware import Exciter, Noise
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
@@ -44,7 +46,7 @@ class MeasuredFile(FileContent):
             If the file contradicts the rig, or its arrays do not fit together.
         """
         declared.check_against(setup)
-        averages, assumed = self._averages(declared, setup.analyser.averages, setup.analyser.window)
+        averages, assumed, _ = self._averages(declared, setup.analyser.averages, setup.analyser.line_window)
         return Measurement(
             frf=replace(self.frf, freq=lines_on(setup.analyser, self.frf.freq, self.axis_error)),
             coherence=self._shaped(self.coherence, setup),
@@ -67,8 +69,8 @@ class MeasuredFile(FileContent):
         InvalidInputError
             If the file's arrays do not fit together.
         """
-        window = declared.window or Analyser.window
-        averages, assumed = self._averages(declared, None, window)
+        window = None if declared.window is None else WINDOWS[declared.window]
+        averages, assumed, correlation = self._averages(declared, None, window)
         exciter = declared.exciter or ("hammer" if len(self.frf.inputs) > 1 else "shaker")
         analyser, notes = analyser_of(self.frf.freq, averages)
         setup = RigSetup(
@@ -90,18 +92,18 @@ class MeasuredFile(FileContent):
             force_spectrum=self.force_spectrum,
             response_spectrum=self._shaped(self.response_spectrum, setup),
             notes=("imported", NO_LOG_BOOK, *notes, *self._missing_data_notes(), *self.notes),
-            assumed=(*self.assumed, *assumed, *declared.assumptions(exciter)),
+            assumed=(*self.assumed, *assumed, *declared.assumptions(exciter, correlation)),
         )
 
     def _averages(
-        self, declared: DeclaredTest, in_rig: float | None, window: str
-    ) -> tuple[float, tuple[Assumption, ...]]:
-        """Return the effective averages, and what the lines themselves have to tell of random errors."""
+        self, declared: DeclaredTest, in_rig: float | None, window: Window | None
+    ) -> tuple[float, tuple[Assumption, ...], ErrorCorrelation | None]:
+        """Return effective averages, what lines tell of random errors, and how these are correlated."""
         known, errors = declared.known_averages(self.averages, in_rig), random_error_of(self, window)
         if known is not None:
-            return known, errors
-        averages, assumption = averages_of(self, window)
-        return averages, (assumption, *errors)
+            return known, errors, None
+        averages = averages_of(self, window)
+        return averages.value, (averages.assumption, *errors), averages.correlation
 
     def _missing_data_notes(self) -> tuple[str, ...]:
         return (NO_COHERENCE,) if self.coherence is None else ()

@@ -27,18 +27,47 @@ def frfs(test: Measurement) -> ComplexArray:
     return np.asarray(test.frf.values[1:, :, 0], complex)
 
 
-@pytest.mark.parametrize(("kind", "window"), [("periodic_random", "rectangular"), ("random", "hann")])
-@pytest.mark.parametrize("averages", [10, 40, 200])
-@pytest.mark.parametrize("roving", [True, False])
+@pytest.mark.parametrize(
+    ("kind", "window"),
+    [
+        ("periodic_random", "rectangular"),
+        ("random", "hann"),
+        ("impact", "rectangular"),
+        ("impact", "exponential"),
+    ],
+)
+@pytest.mark.parametrize(
+    ("averages", "roving"), [(3, True), (5, False), (10, True), (40, False), (200, True)]
+)
 def test_coherence_and_scatter_tell_the_averages(averages: int, kind: str, window: str, roving: bool) -> None:
     test = measured(averages, kind, window, averages, roving=roving)
     assert test.coherence is not None
     estimate = estimated_averages(frfs(test), test.coherence[1:], WINDOWS[window])
     assert estimate is not None
-    # three standard errors, and 5 % for few averages, whose coherence scatters itself, and for leakage
+    # three standard errors, and 5 % for resonances that a local model misses, and for leakage
     tolerance = 3 * estimate.standard_error + 0.05 * averages
     assert estimate.value == pytest.approx(averages, abs=tolerance)
-    assert estimate.standard_error < 0.12 * averages  # 61 stretches of 6 FRFs with 16 degrees of freedom
+    assert estimate.standard_error < 0.12 * averages  # 47 stretches of 6 FRFs with 24 degrees of freedom
+
+
+@pytest.mark.parametrize(
+    ("kind", "window", "random_force"),
+    [("periodic_random", "rectangular", False), ("random", "hann", True), ("impact", "exponential", False)],
+)
+def test_lines_show_an_undeclared_window(kind: str, window: str, random_force: bool) -> None:
+    test = measured(5, kind, window, 3)
+    assert test.coherence is not None
+    estimate = estimated_averages(frfs(test), test.coherence[1:], None)
+    assert estimate is not None
+    assert estimate.value == pytest.approx(5, abs=3 * estimate.standard_error + 0.25)  # as above
+    correlation = estimate.correlation
+    assert correlation.window.coefficients == WINDOWS[window].coefficients
+    if window == "exponential":
+        # 12,000 residuals tell the decay to some per cent, and ln(end) = -4.6
+        assert np.log(correlation.window.end) == pytest.approx(np.log(WINDOWS[window].end), rel=0.07)
+        assert correlation.delay == pytest.approx(test.setup.analyser.excitation.pre_trigger, abs=0.015)
+    elif window == "hann":
+        assert correlation.random_force is random_force
 
 
 def test_scatter_alone_tells_the_random_error() -> None:

@@ -1,0 +1,140 @@
+"""Correlation of the random errors of neighbouring lines, as the window of the records makes it."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+import scipy.optimize
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.numerics import SAFE_DIVISOR, SUM_ROUNDING
+from modallab.estimation.settings import ERROR_CORRELATION, SPECTRUM
+from modallab.estimation.windows import WINDOWS, Window
+
+
+@dataclass(frozen=True)
+class ErrorCorrelation:
+    """Correlation of the errors of lines, from the power of the noise over the record.
+
+    Of noise in one channel it is the transform of the squared window, and its square where the force is as
+    random as the noise: an error is then a product of both. An exponential window begins before the blow,
+    which is time zero of an FRF.
+    """
+
+    window: Window
+    """Window of the records."""
+    random_force: bool = False
+    """Whether the force is random from record to record."""
+    delay: float = 0.0
+    """1, time from the start of the record to the force over the record length."""
+
+    @property
+    def exponential(self) -> bool:
+        """Whether the window is an exponential one."""
+        return self.window.end < 1
+
+    def matrix(self, n: int) -> ComplexArray:
+        """Return the correlation of n neighbouring lines, (n, n)."""
+        lag = np.arange(n)
+        power = self.window.samples(SPECTRUM.window_samples) ** 2
+        by_lag = np.fft.fft(power)[:n] / power.sum() * np.exp(2j * np.pi * lag * self.delay)
+        if self.random_force:
+            by_lag = np.abs(by_lag) ** 2 + 0j
+        offset = lag[:, None] - lag
+        return np.asarray(np.where(offset >= 0, by_lag[np.abs(offset)], by_lag[np.abs(offset)].conj()))
+
+    def whitening(self, n: int) -> ComplexArray:
+        """Return the matrix that makes the errors of n neighbouring lines independent, (n, n)."""
+        return np.asarray(np.linalg.inv(np.linalg.cholesky(self.matrix(n) + SUM_ROUNDING * np.eye(n))))
+
+
+def likeliest_correlation(
+    complement: ComplexArray, residual: ComplexArray, window: Window | None
+) -> ErrorCorrelation:
+    """Return the correlation under which residuals of smooth fits are most likely, of some usual ones.
+
+    Parameters
+    ----------
+    complement
+        (n_fits, n_lines, n_spare) columns that the fits leave free.
+    residual
+        (n_fits, n_spare) lines along these columns.
+    window
+        Window of the records; None: unknown.
+    """
+    return min(_candidates(window), key=partial(_negative_likelihood, *_some(complement, residual)))
+
+
+def refined_correlation(
+    complement: ComplexArray, residual: ComplexArray, start: ErrorCorrelation
+) -> tuple[ErrorCorrelation, ErrorCorrelation]:
+    """Return the exponential window of largest likelihood, and the one a standard error beside it.
+
+    Parameters
+    ----------
+    complement, residual
+        As in `likeliest_correlation`.
+    start
+        An exponential window.
+    """
+    misfit = partial(_negative_likelihood, *_some(complement, residual))
+
+    def at(parameters: FloatArray) -> ErrorCorrelation:
+        end = np.clip(
+            np.exp(-np.exp(parameters[0])), ERROR_CORRELATION.least_end, ERROR_CORRELATION.largest_end
+        )
+        delay = np.clip(parameters[1], 0.0, ERROR_CORRELATION.delays[-1])
+        return ErrorCorrelation(replace(start.window, end=float(end)), delay=float(delay))
+
+    first = np.array([np.log(-np.log(start.window.end)), start.delay])
+    solution = scipy.optimize.minimize(
+        lambda parameters: misfit(at(parameters)),
+        first,
+        method="Nelder-Mead",
+        options={
+            "initial_simplex": first + np.vstack([np.zeros(2), np.diag(ERROR_CORRELATION.first_steps)]),
+            "xatol": ERROR_CORRELATION.parameter_tolerance,
+            "fatol": ERROR_CORRELATION.likelihood_tolerance,
+            "maxfev": ERROR_CORRELATION.evaluations,
+        },
+    )
+    step = np.array([ERROR_CORRELATION.first_steps[0], 0.0])
+    curvature = sum(misfit(at(solution.x + sign * step)) - float(solution.fun) for sign in (-1, 1))
+    n_fits = len(_some(complement, residual)[1])
+    error = step / np.sqrt(max(curvature * n_fits, SAFE_DIVISOR))
+    return at(solution.x), at(solution.x + np.minimum(error, step))
+
+
+def _some(complement: ComplexArray, residual: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+    step = max(1, len(residual) // ERROR_CORRELATION.max_fits)
+    return complement[::step], residual[::step]
+
+
+def _negative_likelihood(
+    complement: ComplexArray, residual: ComplexArray, correlation: ErrorCorrelation
+) -> float:
+    """Return minus the mean log-likelihood of a fit, each fit with a variance of its own.
+
+    That bounds what a fit counts whose model does not hold.
+    """
+    n_lines, n_spare = complement.shape[1:]
+    of_lines = correlation.matrix(n_lines) + SUM_ROUNDING * np.eye(n_lines)
+    factor = np.linalg.cholesky(complement.conj().swapaxes(1, 2) @ of_lines @ complement)
+    white = np.linalg.solve(factor, residual[..., None])[..., 0]
+    log_determinant = 2 * np.log(np.diagonal(factor, axis1=1, axis2=2).real).sum(axis=1)
+    return float(np.mean(n_spare * np.log((np.abs(white) ** 2).sum(axis=1) + SAFE_DIVISOR) + log_determinant))
+
+
+def _candidates(window: Window | None) -> Iterator[ErrorCorrelation]:
+    windows = WINDOWS.values() if window is None else (window,)
+    shapes = {(member.coefficients, member.end < 1): member for member in windows}  # of responses
+    for member in shapes.values():
+        if member.end < 1:
+            yield from (
+                ErrorCorrelation(replace(member, end=end), delay=delay)
+                for end in ERROR_CORRELATION.ends
+                for delay in ERROR_CORRELATION.delays
+            )
+        else:
+            yield from (ErrorCorrelation(member, random_force=random) for random in (False, True))
