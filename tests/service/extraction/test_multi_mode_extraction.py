@@ -169,7 +169,8 @@ def test_what_noise_of_a_hammer_puts_beside_modes_bends_lines_and_is_no_mode() -
     # up to 698.5 Hz noise is less than half of the force, and moves no mode by a tenth of its bandwidth
     assert (away[:5] < 0.1 * HAMMERED_LOSS[:5]).all()
     assert np.count_nonzero(model.frequencies < 720) == 5
-    assert any("residual pole" in note for note in model.notes)
+    # the pole that bends the lines beside the fifth mode is listed apart, whatever tells that it is no mode
+    assert any(680 < pole.frequency < 720 and pole.reason for pole in model.doubtful)
     assert any("classified as noise" in note for note in model.notes)
 
 
