@@ -1,8 +1,8 @@
 """A hammer test against a periodic test of the same FRFs: one prediction, and a whole diagnosis.
 
 Nine FRFs of the beam at 3,201 lines, one element too soft. The hammer strikes nine points, the shaker drives
-one and nine accelerometers listen. A blow rings on beyond its record, so that an exact prediction follows its
-free decay: solutions at eight frequencies a line, where a periodic signal takes one.
+one and nine accelerometers listen. A blow rings on beyond its record: its lines are those of a decayed one
+less what the modes leave, in closed form.
 """
 
 from dataclasses import replace
@@ -29,8 +29,8 @@ POINTS = tuple(Dof(node, "Y") for node in (1, 4, 6, 8, 11, 13, 15, 18, 21))
 SOFT = StiffnessError(Members((6,)), 0.8)
 STEP = 8
 N_LINES = 3201
-# Exact, screening, diagnosis: measured 7.3, 1.1 and 1.9; the goal is 1 for each.
-LIMITS = (10.0, 2.0, 3.0)
+# Exact, screening, diagnosis: measured 2.0, 1.2 and 1.4; the goal is 1 for each.
+LIMITS = (3.0, 2.0, 2.5)
 
 
 def periodic(n_lines: int) -> RigSetup:

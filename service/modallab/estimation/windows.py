@@ -58,6 +58,24 @@ class Window:
         )
         return np.vstack([np.tile(response * passed, (n_in, 1)), np.tile(response, (n_out, 1))])
 
+    def lines(self, lines: ComplexArray) -> ComplexArray:
+        """Return the lines (n_run, n_lines, n_ch) of windowed records, over the window's root mean square.
+
+        Of a sum of cosines, by neighbouring lines.
+        """
+        half_width, n = len(self.coefficients) - 1, lines.shape[1]
+        zeros = np.zeros((len(lines), half_width, lines.shape[2]))
+        # Lines at negative frequency are conjugate; the record of a channel is real.
+        extended_lines = np.concatenate([lines[:, half_width:0:-1].conj(), lines, zeros], axis=1)
+        extended_lines[:, half_width] = extended_lines[:, half_width].real
+        windowed = self.coefficients[0] * extended_lines[:, half_width : half_width + n]
+        for m, a in enumerate(self.coefficients[1:], start=1):
+            windowed = windowed + (-1) ** m * a / 2 * (
+                extended_lines[:, half_width - m : half_width - m + n]
+                + extended_lines[:, half_width + m : half_width + m + n]
+            )
+        return np.asarray(windowed / np.sqrt(self.power))
+
     def noise_shares(self, n_in: int, n_out: int) -> FloatArray:
         """Return the factor of white noise in each channel's spectrum, (n_in + n_out,), forces first."""
         return np.repeat(_noise_shares(self), (n_in, n_out))

@@ -105,11 +105,17 @@ class Transient(Protocol):
         """Return the records (k, n_ch, n_samples) that span every record; None if it is Gaussian."""
 
     def weights(
-        self, answers: ImpulseResponses, setting: ExcitationSetting, n: int, rng: np.random.Generator
+        self, n_sources: int, setting: ExcitationSetting, n: int, rng: np.random.Generator
     ) -> FloatArray:
-        """Return the weights (n, k) of the basis records in n random records."""
+        """Return the weights (n, k) of the basis records in n random records.
 
-    def moments(self, answers: ImpulseResponses, setting: ExcitationSetting) -> FloatArray:
+        Parameters
+        ----------
+        n_sources
+            Of the impulse responses: declared ones and forces beside them.
+        """
+
+    def moments(self, n_sources: int, setting: ExcitationSetting) -> FloatArray:
         """Return the second moments of the weights, (k, k)."""
 
 

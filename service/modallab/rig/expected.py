@@ -12,13 +12,12 @@ from modallab.rig.distortion import residual_spectra
 from modallab.rig.effect import Effect
 from modallab.rig.equivalent_linear_feedback import with_equivalent_feedback
 from modallab.rig.excitation import EXCITATIONS
-from modallab.rig.free_decay import decayed_lines, transient_of, transient_spectra
+from modallab.rig.free_decay import decayed_lines, products, transient_of, transient_spectra
 from modallab.rig.leakage_kernel import LeakageKernel
 from modallab.rig.line_kernels import LineKernel, coarse_kernel, periodic_kernel, refined_kernel
 from modallab.rig.line_selection import LineSelection
 from modallab.rig.nonlinear_settings import DISTORTION
 from modallab.rig.periodic import fixed_signals
-from modallab.rig.settings import FREE_DECAY
 from modallab.rig.spectrum_settings import QUADRATURE
 
 
@@ -127,12 +126,11 @@ def _periodic_spectra(chain: Chain, lines: LineSelection | None, *, coarse: bool
     if transient_of(chain) is not None:
         decayed = decayed_lines(chain, indices) if coarse else None
         if decayed is not None:
-            return _products(decayed) + _residual_part(chain, lines)
-        forgotten = FREE_DECAY.screening_decay_threshold if coarse else FREE_DECAY.decay_threshold
-        return transient_spectra(chain, forgotten)[:, indices] + _residual_part(chain, lines)
+            return products(decayed) + _residual_part(chain, lines)
+        return transient_spectra(chain)[:, indices] + _residual_part(chain, lines)
     signals = fixed_signals(chain)
     if signals is not None:
-        return _products(signals[:, indices]) + _residual_part(chain, lines)
+        return products(signals[:, indices]) + _residual_part(chain, lines)
     return _leaked_spectra(periodic_kernel(chain.setup.analyser, lines), chain)
 
 
@@ -156,12 +154,6 @@ def _leaked_spectra(
     residual = residual_spectra(chain.runs, analyser, chain.source, view.nodes, finest)
     driven, distorted = with_equivalent_feedback(driven, distorted, residual.feedback)
     return view.convolve(_powers(driven, density) + _powers(distorted, residual.density))
-
-
-def _products(lines: ComplexArray) -> ComplexArray:
-    """Return G_ff, G_fx and G_xx side by side of the lines (n_run, n_lines, 1 + n_out) of one source."""
-    force, response = lines[..., :1], lines[..., 1:]
-    return np.concatenate([np.abs(force) ** 2, force.conj() * response, np.abs(response) ** 2], axis=2)
 
 
 def acquisition(chain: Chain, clean: ComplexArray) -> Acquisition:

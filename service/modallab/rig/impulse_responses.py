@@ -31,3 +31,14 @@ class ImpulseResponses:
         """Return records of impulses at some samples of theirs, (n_moments, n_sources, n_ch, n_samples)."""
         windows = sliding_window_view(self.samples, self.n_samples, axis=-1)
         return np.moveaxis(windows[:, :, self.n_samples - moments], 2, 0)
+
+    def period_after(self, sample: int) -> FloatArray:
+        """Return the record of an impulse at a sample of it, (n_sources, n_ch, n_samples).
+
+        What comes before the record, of models that are not causal, is put at its end: a period of it has
+        the lines of the endless response.
+        """
+        before = self.n_samples - sample
+        record = self.samples[..., before : before + self.n_samples].copy()
+        record[..., sample:] += self.samples[..., :before]
+        return record

@@ -2,17 +2,17 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import scipy.fft
 
 from modallab.core.arrays import ComplexArray, FloatArray
-from modallab.estimation.windows import Window
 from modallab.rig.acquisition import sample_rate_of
 from modallab.rig.analyser import Analyser
 from modallab.rig.chain import Chain
 from modallab.rig.excitation import EXCITATIONS, Transient
-from modallab.rig.free_decay import all_impulse_responses, transient_of
+from modallab.rig.free_decay import all_impulse_responses, blow_lines, transient_of
 from modallab.rig.impulse_responses import ImpulseResponses
 
 Weights = Callable[[int, np.random.Generator], FloatArray]  # number of averages -> (n, k)
@@ -58,6 +58,12 @@ def periodic_signals(chain: Chain) -> tuple[PeriodicSignal, ...] | None:
             if signals is None
             else tuple(PeriodicSignal(share * run[None], np.eye(1), _unit_weights) for run in signals)
         )
+    if (lines := blow_lines(chain)) is not None:
+        share, setting = np.sqrt(1 - chain.source.continuous), chain.setup.analyser.excitation
+        weights = partial(transient.weights, 1, setting)
+        return tuple(
+            PeriodicSignal(share * run[None], transient.moments(1, setting), weights) for run in lines
+        )
     runs = [_transient_signal(chain, transient, answers) for answers in all_impulse_responses(chain)]
     return None if None in runs else tuple(run for run in runs if run is not None)
 
@@ -75,8 +81,8 @@ def _transient_signal(chain: Chain, transient: Transient, answers: ImpulseRespon
     lines = scipy.fft.rfft(windowed)[..., : analyser.n_lines]
     return PeriodicSignal(
         lines.swapaxes(1, 2),
-        transient.moments(answers, setting),
-        lambda n, rng: transient.weights(answers, setting, n, rng),
+        transient.moments(len(answers.samples), setting),
+        partial(transient.weights, len(answers.samples), setting),
     )
 
 
@@ -88,23 +94,7 @@ def fixed_signals(chain: Chain) -> ComplexArray | None:
         return None
     density = analyser.source_density(analyser.freq)[:, None]
     channel_lines = chain.respond(analyser.freq).channels.sum(axis=3)
-    return _windowed_lines(analyser.line_window, np.sqrt(density) * channel_lines * lines[:, None])
-
-
-def _windowed_lines(window: Window, lines: ComplexArray) -> ComplexArray:
-    """Return the lines (n_run, n_lines, n_ch) of a windowed record, over the window's root mean square."""
-    half_width, n = len(window.coefficients) - 1, lines.shape[1]
-    zeros = np.zeros((len(lines), half_width, lines.shape[2]))
-    # Lines at negative frequency are conjugate; the record of a channel is real.
-    extended_lines = np.concatenate([lines[:, half_width:0:-1].conj(), lines, zeros], axis=1)
-    extended_lines[:, half_width] = extended_lines[:, half_width].real
-    windowed = window.coefficients[0] * extended_lines[:, half_width : half_width + n]
-    for m, a in enumerate(window.coefficients[1:], start=1):
-        windowed = windowed + (-1) ** m * a / 2 * (
-            extended_lines[:, half_width - m : half_width - m + n]
-            + extended_lines[:, half_width + m : half_width + m + n]
-        )
-    return np.asarray(windowed / np.sqrt(window.power))
+    return analyser.line_window.lines(np.sqrt(density) * channel_lines * lines[:, None])
 
 
 def _unit_weights(n: int, _rng: np.random.Generator) -> FloatArray:

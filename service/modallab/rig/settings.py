@@ -180,21 +180,47 @@ class RecordSettings(Settings):
 class FreeDecaySettings(Settings):
     """Impulse responses of the channels."""
 
-    decay_threshold: float = setting(
-        1e-6,
-        unit="1",
-        doc="amplitude at which a free decay has ended",
-        derived="below the rounding of a measured spectrum",
-    )
-    screening_decay_threshold: float = setting(
-        0.03,
-        unit="1",
-        doc="the same of approximate spectra for screening",
-        derived="screening needs some per cent",
-    )
-    max_samples: int = setting(2**26, unit="samples", doc="samples of all channels", derived="memory: 0.5 GB")
     solution_block: int = setting(
         2**22, unit="samples", doc="samples of all channels of runs that share a solution", derived="memory"
+    )
+
+
+@dataclass(frozen=True)
+class RingingSettings(Settings):
+    """Modes that ring on beyond a record."""
+
+    widest: float = setting(
+        4.4,
+        unit="lines",
+        doc="half bandwidth up to which a mode rings on beyond its record",
+        derived="exp(-pi 4.4) = 1e-6 is left of others half a record after the blow, the latest one",
+    )
+    reach: float = setting(
+        2.0,
+        unit="lines",
+        doc="distance from a resonance up to which spectra are fitted",
+        derived="several times the width of a mode that matters: wider ones have all but died out",
+    )
+    spare_poles: int = setting(
+        2, unit="poles", doc="poles of a fit beyond those in its region", derived="the nearest neighbours"
+    )
+    background: int = setting(
+        6,
+        unit="1",
+        doc="degree of the polynomial beside the poles",
+        derived="falls by half or more a degree, neighbours being modelled: 1e-2 of what is smooth already",
+    )
+    nodes_per_unknown: int = setting(
+        1,
+        unit="1",
+        doc="frequencies for each complex unknown of a fit",
+        derived="all channels share the poles",
+    )
+    aperiodic: float = setting(
+        1e-6,
+        unit="1",
+        doc="frequency of a motion without oscillation over the region it is found in",
+        derived="rounding of the root of a polynomial",
     )
 
 
@@ -269,6 +295,7 @@ CHANGE = ChangeSettings()
 DRIVE = DriveSettings()
 RECORDS = RecordSettings()
 FREE_DECAY = FreeDecaySettings()
+RINGING = RingingSettings()
 HAMMER = HammerSettings()
 BURST = BurstSettings()
 STINGER = StingerSettings()

@@ -55,12 +55,12 @@ class Burst:
         """Return None: it is Gaussian."""
 
     def weights(
-        self, answers: ImpulseResponses, setting: ExcitationSetting, n: int, rng: np.random.Generator
+        self, n_sources: int, setting: ExcitationSetting, n: int, rng: np.random.Generator
     ) -> FloatArray:
         """Return an empty array: the signal is random."""
         return np.zeros((n, 0))
 
-    def moments(self, answers: ImpulseResponses, setting: ExcitationSetting) -> FloatArray:
+    def moments(self, n_sources: int, setting: ExcitationSetting) -> FloatArray:
         """Return an empty array: the signal is random."""
         return np.zeros((0, 0))
 

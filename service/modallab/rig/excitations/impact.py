@@ -28,7 +28,7 @@ class Blow:
 
     def expected_records(self, answers: ImpulseResponses, setting: ExcitationSetting) -> Iterator[FloatArray]:
         """Yield as many blows as basis records, with the same mean spectra as all blows."""
-        eigenvalues, eigenvectors = np.linalg.eigh(self.moments(answers, setting))
+        eigenvalues, eigenvectors = np.linalg.eigh(self.moments(len(answers.samples), setting))
         basis = eigenvectors.T * np.sqrt(len(eigenvalues) * eigenvalues.clip(min=0.0))[:, None]
         yield np.tensordot(basis, self.basis_records(answers, setting), axes=1)
 
@@ -36,7 +36,7 @@ class Blow:
         self, answers: ImpulseResponses, setting: ExcitationSetting, n: int, rng: np.random.Generator
     ) -> FloatArray:
         """Return n records, (n, n_ch, n_samples)."""
-        weights = self.weights(answers, setting, n, rng)
+        weights = self.weights(len(answers.samples), setting, n, rng)
         return np.asarray(np.tensordot(weights, self.basis_records(answers, setting), axes=1))
 
     def basis_records(self, answers: ImpulseResponses, setting: ExcitationSetting) -> FloatArray:
@@ -46,7 +46,7 @@ class Blow:
         beside the point, and across.
         """
         moment = round(setting.pre_trigger * answers.n_samples)
-        records = np.sqrt(answers.n_samples) * answers.records_after(np.array([moment]))[0]
+        records = np.sqrt(answers.n_samples) * answers.period_after(moment)
         if not self.misaligned(setting):
             return np.asarray(records)
         force, axial = records[:1].copy(), records[:1].copy()
@@ -54,7 +54,7 @@ class Blow:
         return np.concatenate([force, axial, records[1:]])
 
     def weights(
-        self, answers: ImpulseResponses, setting: ExcitationSetting, n: int, rng: np.random.Generator
+        self, n_sources: int, setting: ExcitationSetting, n: int, rng: np.random.Generator
     ) -> FloatArray:
         """Return the weights of n blows, (n, k)."""
         s = setting.level_scatter
@@ -62,14 +62,14 @@ class Blow:
         if not self.misaligned(setting):
             return np.asarray(size)
         place_offset = setting.place_scatter * rng.standard_normal((n, 1))
-        along, across = tilt_factors(setting.angle_scatter, n, answers.samples.shape[0] - 2, rng)
+        along, across = tilt_factors(setting.angle_scatter, n, n_sources - 2, rng)
         return np.asarray(size * np.hstack([np.ones((n, 1)), along[:, None], place_offset, across]))
 
-    def moments(self, answers: ImpulseResponses, setting: ExcitationSetting) -> FloatArray:
+    def moments(self, n_sources: int, setting: ExcitationSetting) -> FloatArray:
         """Return the mean products of the weights, (k, k)."""
         if not self.misaligned(setting):
             return np.eye(1)
-        n_lateral = answers.samples.shape[0] - 2
+        n_lateral = n_sources - 2
         along, spread, across = tilt_moments(setting.angle_scatter, n_lateral)
         mean = np.array([1.0, along, 0.0, *[0.0] * n_lateral])
         variances = [0.0, spread, setting.place_scatter**2, *[across] * n_lateral]

@@ -194,7 +194,8 @@ def test_a_blow_beside_its_point_is_a_moment_that_costs_coherence() -> None:
     np.testing.assert_allclose(coherence(expected)[0, 1:][inner], wanted[inner], atol=0.02)
     assert wanted[inner].min() < 0.8
     clean = struck(beam_system(HEAVY), 1, 11)
-    np.testing.assert_allclose(h1(expected), h1(expected_spectra(clean)), rtol=1e-9)  # no bias to first order
+    # no bias to first order; of hysteretic damping, not causal, 1e-6 is left after a record
+    np.testing.assert_allclose(h1(expected), h1(expected_spectra(clean)), rtol=1e-6)
 
 
 @pytest.mark.parametrize("route", ["drawn", "sampled"])
@@ -222,7 +223,8 @@ def test_a_tilted_blow_has_less_along_its_axis_and_some_across() -> None:
     bench = struck(beam_system(HEAVY), 7, angle_scatter=scatter)
     upright = struck(beam_system(HEAVY), 7)
     biased = h1(expected_spectra(bench)) / h1(expected_spectra(upright))
-    np.testing.assert_allclose(biased[1:], np.exp(-(scatter**2) / 2), rtol=1e-9)
+    # of hysteretic damping, not causal, 1e-6 is left after a record
+    np.testing.assert_allclose(biased[1:], np.exp(-(scatter**2) / 2), rtol=1e-6)
 
 
 def one_degree(mass: float, stiffness: float, viscous: float) -> DynamicSystem:
