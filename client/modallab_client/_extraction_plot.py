@@ -1,6 +1,9 @@
 """Plots of fits, mode indicator functions and stabilisation diagrams on given axes."""
 
+import re
 from collections.abc import Callable, Mapping, Sequence
+from itertools import cycle
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +18,9 @@ if TYPE_CHECKING:
     from modallab_client.models import Frf
     from modallab_client.results import FitPlotData, Indicators, Measurement, StabilisationChart
 
-RAW, FITTED = "0.65", "C3"
+RAW, FITTED, DOUBTFUL = "0.65", "C3", "0.35"
+DOUBT_MARKS = "xv^s*d"
+NUMBERS = re.compile(r"\d[\d.]*")
 PARTS = (("real part", np.real, "C0", "o"), ("imaginary part", np.imag, "C1", "s"))
 # by stability: label, colour, marker, size
 SYMBOLS = (
@@ -239,6 +244,7 @@ def chart(axes: "Axes", diagram: "StabilisationChart") -> None:
         linewidths=0.7,
         label="speaks for a mode",
     )
+    _doubtful_poles(axes, diagram)
     axes.set(xlabel="frequency, Hz", ylabel="order")
     if diagram.indicators is not None:
         behind = axes.twinx()
@@ -249,4 +255,25 @@ def chart(axes: "Axes", diagram: "StabilisationChart") -> None:
         behind.set_ylabel("CMIF, m/(s N)", color="0.5")
         axes.set_zorder(behind.get_zorder() + 1)
         axes.patch.set_visible(False)
-    axes.legend(fontsize="x-small", loc="upper right", framealpha=0.9)
+    # below the axes: inside it would hide poles
+    axes.legend(fontsize="x-small", loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=3, frameon=False)
+
+
+def _doubtful_poles(axes: "Axes", diagram: "StabilisationChart") -> None:
+    """Draw poles that are no modes as dotted lines, with a mark for each reason at the top."""
+    by_reason: dict[str, list[float]] = {}
+    for pole in diagram.doubtful:
+        by_reason.setdefault(NUMBERS.sub("…", pole.reason), []).append(pole.frequency)
+    for mark, (reason, frequencies) in zip(cycle(DOUBT_MARKS), by_reason.items(), strict=False):
+        for frequency in frequencies:
+            axes.axvline(frequency, color=DOUBTFUL, linewidth=0.7, linestyle=":", zorder=0)
+        axes.plot(
+            frequencies,
+            np.ones(len(frequencies)),
+            mark,
+            color=DOUBTFUL,
+            markersize=6,
+            transform=axes.get_xaxis_transform(),
+            clip_on=False,
+            label=fill(f"doubtful: {reason}", PLOT.legend_width),
+        )

@@ -7,10 +7,18 @@ Row = Sequence[str]
 Table = tuple[Row, Sequence[Row]]
 
 
-def text(head: Row, rows: Sequence[Row]) -> str:
-    """Return a table with right-aligned columns, two spaces between them."""
+def text(head: Row, rows: Sequence[Row], *, words: bool = False) -> str:
+    """Return a table with right-aligned columns, two spaces between them.
+
+    Parameters
+    ----------
+    words
+        The last column has words, aligned left.
+    """
     lines = [head, *rows]
     widths = [max(len(line[i]) for line in lines) for i in range(len(head))]
+    if words:
+        widths[-1] = 0
     return "\n".join(
         "  ".join(cell.rjust(width) for cell, width in zip(line, widths, strict=True)).rstrip()
         for line in lines

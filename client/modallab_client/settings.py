@@ -41,6 +41,8 @@ class PlotSettings:
 
     legend_curves: int = 12
     """curves up to which a plot has a legend"""
+    legend_width: int = 44
+    """characters of a line of a legend with reasons"""
     horizontal_labels: int = 16
     """bars up to which their names stand side by side"""
     labelled_ticks: int = 40

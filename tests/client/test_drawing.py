@@ -191,3 +191,52 @@ def test_tables_are_escaped_for_the_notebook() -> None:
     assert (
         repr(measurement()) == "Measurement('m<1>', inertance, 2 outputs x 1 inputs, 3 lines from 0 to 4 Hz)"
     )
+
+
+def flagged() -> ModalModel:
+    mode = {
+        **MODE,
+        "flags": ["node: 3 FRFs, such as 5:+Y", "pair: <a>"],
+        "flag_counts": {"pair": 1, "node": 3},
+    }
+    doubtful = [{"frequency": 799.9, "loss_factor": None, "reason": "at an edge <of the range>"}]
+    more = {"modes": [mode], "doubtful": doubtful, "main_flags": ["mode 1: pair: <a>"]}
+    return modal_model_of({**MODEL, **more}, SHAPES)
+
+
+def test_a_table_of_modes_has_standard_errors_flags_and_doubtful_poles_below() -> None:
+    lines = flagged().table().splitlines()
+    assert lines[0].split() == [
+        *("mode", "quantity", "value", "std", "error", "min", "max", "mean", "sd", "flags")
+    ]
+    assert lines[1].split() == [
+        "1",
+        "frequency",
+        "Hz",
+        "23.610",
+        "0.015",
+        "23.5",
+        "23.7",
+        "23.61",
+        "0.05",
+        "pair,",
+        "node",
+        "(3)",
+    ]
+    assert "mode 1: pair: <a>" in lines
+    assert lines[-1].split(maxsplit=1) == ["799.9", "at an edge <of the range>"]
+
+
+def test_a_notebook_shows_the_same_with_every_word_escaped() -> None:
+    shown = flagged()._repr_html_()
+    assert "<th>std error</th>" in shown
+    assert "pair, node (3)" in shown
+    assert "<p>mode 1: pair: &lt;a&gt;</p>" in shown
+    assert "at an edge &lt;of the range&gt;" in shown
+    assert "Doubtful poles" not in modal_model_of(MODEL, SHAPES)._repr_html_()
+
+
+def test_modes_without_scatter_have_no_columns_of_it() -> None:
+    alone = {**MODE, "frequency_spread": None, "loss_factor_spread": None}
+    head, *_ = modal_model_of({**MODEL, "modes": [alone]}, SHAPES).table().splitlines()
+    assert head.split() == ["mode", "quantity", "value", "std", "error", "flags"]

@@ -238,6 +238,22 @@ def test_a_chart_draws_orders_over_frequency_by_stability(lab: ModalLab, service
     np.testing.assert_array_equal(np.asarray(behind.lines[0].get_ydata()), [1e-4, 2e-3])
 
 
+def test_a_chart_marks_doubtful_poles_by_their_reason(lab: ModalLab, service: FakeService) -> None:
+    doubtful = [
+        {"frequency": 99.0, "loss_factor": 0.05, "reason": "stable at only 2 of 9 orders"},
+        {"frequency": 150.0, "loss_factor": None, "reason": "negative damping"},
+        {"frequency": 151.0, "loss_factor": 0.2, "reason": "stable at only 3 of 9 orders"},
+    ]
+    service.on("GET /v1/modal-models/mm1/chart", {**CHART, "doubtful": doubtful})
+    axes = lab.modal_models.chart("mm1").plot()
+    marks = {str(line.get_label()): line for line in axes.lines if "doubtful" in str(line.get_label())}
+    assert [list(np.asarray(line.get_xdata())) for line in marks.values()] == [[99.0, 151.0], [150.0]]
+    assert [" ".join(label.split()) for label in marks] == [
+        "doubtful: stable at only … of … orders",
+        "doubtful: negative damping",
+    ]
+
+
 def test_indicators_draw_cmif_over_mif(lab: ModalLab, service: FakeService) -> None:
     service.on("GET /v1/measurements/m1/indicators", CHART["indicators"])  # type: ignore[arg-type]
     upper, lower = lab.measurements.indicators("m1", points=100).plot()

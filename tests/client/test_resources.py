@@ -207,8 +207,10 @@ def test_a_modal_model_tabulates_its_scatter(lab: ModalLab, service: FakeService
     assert found.modes[0].frequency_spread.sd == 0.05
     assert found.dofs == ("1:+Y", "3:+Y")
     head, first, *_ = found.table().splitlines()
-    assert head.split() == ["mode", "quantity", "value", "min", "max", "mean", "sd"]
-    assert first.split() == ["1", "frequency", "Hz", "23.61", "23.5", "23.7", "23.61", "0.05"]
+    assert head.split() == [
+        *("mode", "quantity", "value", "std", "error", "min", "max", "mean", "sd", "flags")
+    ]
+    assert first.split() == ["1", "frequency", "Hz", "23.610", "0.015", "23.5", "23.7", "23.61", "0.05"]
 
 
 def test_known_modes_are_brought_in_with_complex_pairs(lab: ModalLab, service: FakeService) -> None:

@@ -71,9 +71,19 @@ class AsyncModalModels(AsyncShelf):
         job = await self._transport.request("POST", "/v1/modal-models", json=body)
         return AsyncJob(job["id"], self._transport, self.get)
 
-    async def get(self, modal_model_id: str) -> ModalModel:
-        """Return a modal model with its shapes."""
-        about = await self._transport.request("GET", f"/v1/modal-models/{modal_model_id}")
+    async def get(self, modal_model_id: str, *, details: Sequence[str] = ()) -> ModalModel:
+        """Return a modal model with its shapes.
+
+        Parameters
+        ----------
+        modal_model_id
+            The modal model.
+        details
+            `flags` and `notes` that are listed in full; left out: of many FRFs, and of notes that differ in
+            numbers only, the first and how many.
+        """
+        params = {"details": list(details)} if details else None
+        about = await self._transport.request("GET", f"/v1/modal-models/{modal_model_id}", params=params)
         arrays = await self._transport.npz(f"/v1/modal-models/{modal_model_id}/arrays")
         return _wire.read(modal_model_of, about, arrays)
 

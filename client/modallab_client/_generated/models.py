@@ -931,8 +931,10 @@ class Mode:
 
     complexity: ShapeComplexity
     """Phase differences between the points of the mode."""
+    flag_counts: Mapping[str, int] = field(hash=False)
+    """Number of flags on this mode by kind, those that matter most first."""
     flags: tuple[str, ...]
-    """Warnings about this mode, as short codes."""
+    """Warnings about this mode, those that matter most first; of many FRFs the number, and with `?details=flags` each one."""
     frequency: float
     """Hz, natural frequency."""
     frequency_spread: Spread | None
@@ -963,6 +965,8 @@ class ModalModel(ModalModelMethods):
     """DoF common to all FRFs; null where there is none, or several."""
     exclude: tuple[tuple[float, float], ...]
     """Hz, lower and upper end of bands whose lines were left out of the extraction."""
+    flag_counts: Mapping[str, int]
+    """Number of flags on all modes by kind, those that matter most first."""
     frequency_inconsistency: FrequencyInconsistency | None
     """Frequency differences between the FRFs; null where they agree. `/arrays` has those of each FRF."""
     frfs: tuple[str, ...]
@@ -971,6 +975,8 @@ class ModalModel(ModalModelMethods):
     """id of the stored object"""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
+    main_flags: tuple[str, ...]
+    """The flags that matter most, at most three, with the number of the mode."""
     measurement_id: str | None
     """Measurement from which the modes were extracted."""
     method: str
@@ -980,13 +986,15 @@ class ModalModel(ModalModelMethods):
     normalisation: Literal["mass", "none"]
     """`mass`: shapes are mass-normalised; `none`: their scale is arbitrary."""
     notes: tuple[str, ...]
-    """Remarks on the extraction, in sentences."""
+    """Remarks on the extraction, in sentences; of more than three that differ in numbers only the first, and with `?details=notes` all."""
     options: Mapping[str, int | float | str | None]
     """Options of the extraction method as asked for; null was left to the method."""
+    ranges: tuple[tuple[float, float], ...]
+    """Hz, first and last line of each range that the modes were extracted from."""
     references: tuple[str, ...]
     """DoFs common to several FRFs: drive points, or fixed responses of a roving hammer test; empty for modes that are not from FRFs. FRFs are ordered DoF by DoF, and by reference at each DoF."""
     resynthesis_error: Mapping[str, float] | None
-    """By FRF: rms of the difference to the FRF that modes and residuals make, over the rms of the FRF, as mobility."""
+    """By FRF: rms of the difference to the FRF that modes and residuals make, over the rms of the FRF, as mobility, over the lines of `ranges`."""
     seed: int | None
     """seed of its random numbers; null where there are none"""
     version: str
@@ -997,6 +1005,8 @@ class ModalModel(ModalModelMethods):
 class StabilisationChart(StabilisationChartMethods):
     """Stabilisation chart: poles of a global method at rising model orders."""
 
+    doubtful: tuple[DoubtfulMode, ...]
+    """Poles within the range that are not among the modes, each with the reason, in ascending frequency."""
     frequency: FloatArray
     """Hz, (n_poles,) natural frequency of each pole."""
     indicators: Indicators
@@ -1192,6 +1202,8 @@ class ExpandedModalModel:
     """Hz, lower and upper end of bands whose lines were left out of the extraction."""
     fit_residuals: tuple[float, ...]
     """By mode: norm of measured minus expanded shape over the measured norm."""
+    flag_counts: Mapping[str, int] = field(hash=False)
+    """Number of flags on all modes by kind, those that matter most first."""
     frequency_inconsistency: FrequencyInconsistency | None
     """Frequency differences between the FRFs; null where they agree. `/arrays` has those of each FRF."""
     frfs: tuple[str, ...]
@@ -1200,6 +1212,8 @@ class ExpandedModalModel:
     """id of the stored object"""
     made_from: Mapping[str, str] = field(hash=False)
     """ids of the objects it was made from, by role"""
+    main_flags: tuple[str, ...]
+    """The flags that matter most, at most three, with the number of the mode."""
     measurement_id: str | None
     """Measurement from which the modes were extracted."""
     method: str
@@ -1209,15 +1223,17 @@ class ExpandedModalModel:
     normalisation: Literal["mass", "none"]
     """`mass`: shapes are mass-normalised; `none`: their scale is arbitrary."""
     notes: tuple[str, ...]
-    """Remarks on the extraction, in sentences."""
+    """Remarks on the extraction, in sentences; of more than three that differ in numbers only the first, and with `?details=notes` all."""
     options: Mapping[str, int | float | str | None] = field(hash=False)
     """Options of the extraction method as asked for; null was left to the method."""
+    ranges: tuple[tuple[float, float], ...]
+    """Hz, first and last line of each range that the modes were extracted from."""
     rayleigh_frequencies: tuple[float, ...]
     """Hz, by mode: from the Rayleigh quotient of the expanded shape."""
     references: tuple[str, ...]
     """DoFs common to several FRFs: drive points, or fixed responses of a roving hammer test; empty for modes that are not from FRFs. FRFs are ordered DoF by DoF, and by reference at each DoF."""
     resynthesis_error: Mapping[str, float] | None = field(hash=False)
-    """By FRF: rms of the difference to the FRF that modes and residuals make, over the rms of the FRF, as mobility."""
+    """By FRF: rms of the difference to the FRF that modes and residuals make, over the rms of the FRF, as mobility, over the lines of `ranges`."""
     seed: int | None
     """seed of its random numbers; null where there are none"""
     version: str

@@ -1,7 +1,9 @@
 """Modal models: arrays, tables and pictures."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from html import escape
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -14,7 +16,7 @@ from modallab_client.models import ComplexArray, FloatArray
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from modallab_client._generated.models import ModalModel, Mode, Spread
+    from modallab_client._generated.models import DoubtfulMode, ModalModel, Mode, Spread
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -47,6 +49,8 @@ class ModalModelMethods:
         id: str
         method: str
         modes: tuple[Mode, ...]
+        doubtful: tuple[DoubtfulMode, ...]
+        main_flags: tuple[str, ...]
 
     @property
     def frequencies(self) -> FloatArray:
@@ -59,18 +63,41 @@ class ModalModelMethods:
         return np.array([mode.loss_factor for mode in self.modes])
 
     def table(self) -> str:
-        """Return frequency and loss factor of each mode, and how they scatter over the FRFs, as text."""
-        return _tables.text(*self._rows())
+        """Return frequency and loss factor of each mode with standard errors and flags as text.
+
+        With their scatter over the FRFs, where a method fits each FRF; doubtful poles stand below. Flags are
+        kinds with their numbers.
+        """
+        parts = [_tables.text(*self._rows(), words=True), *self.main_flags]
+        if self.doubtful:
+            parts.append(_tables.text(*self._doubtful_rows(), words=True))
+        return "\n\n".join(parts)
 
     def _rows(self) -> _tables.Table:
-        head = ("mode", "quantity", "value", "min", "max", "mean", "sd")
+        scattered = any(mode.frequency_spread is not None for mode in self.modes)
+        head = ("mode", "quantity", "value", "std error", *_STATISTICS[: 4 * scattered], "flags")
         rows = []
         for number, mode in enumerate(self.modes, 1):
-            frequency = _scatter(mode.frequency, mode.frequency_spread)
-            loss_factor = _scatter(mode.loss_factor, mode.loss_factor_spread)
-            rows.append((str(number), "frequency Hz", *frequency))
-            rows.append(("", "loss factor", *loss_factor))
+            flags = ", ".join(_counted(name, n) for name, n in mode.flag_counts.items())
+            for first, quantity, value, spread, words in (
+                (str(number), "frequency", mode.frequency, mode.frequency_spread, flags),
+                ("", "loss_factor", mode.loss_factor, mode.loss_factor_spread, ""),
+            ):
+                error = mode.standard_errors.get(quantity)
+                cells = _scatter(spread)[: 4 * scattered]
+                rows.append((first, _NAMES[quantity], _digits(value, error), _error(error), *cells, words))
         return head, rows
+
+    def _doubtful_rows(self) -> _tables.Table:
+        rows = [
+            (
+                f"{pole.frequency:.5g}",
+                "" if pole.loss_factor is None else f"{pole.loss_factor:.3g}",
+                pole.reason,
+            )
+            for pole in self.doubtful
+        ]
+        return ("doubtful, Hz", "loss factor", "reason"), rows
 
     def plot(self) -> "Axes":
         """Draw loss factor over frequency, with the standard deviations over the FRFs; return the axes.
@@ -83,13 +110,40 @@ class ModalModelMethods:
         return _plots.modal_model(cast("ModalModel", self))
 
     def _repr_html_(self) -> str:
-        return _tables.html(*self._rows(), caption=f"Modal model {self.id}, {self.method}")
+        tables = _tables.html(*self._rows(), caption=f"Modal model {self.id}, {self.method}")
+        tables += "".join(f"<p>{escape(text)}</p>" for text in self.main_flags)
+        if self.doubtful:
+            tables += _tables.html(*self._doubtful_rows(), caption="Doubtful poles")
+        return tables
 
 
-def _scatter(value: float, spread: "Spread | None") -> tuple[str, ...]:
+_STATISTICS = ("min", "max", "mean", "sd")
+_NAMES = {"frequency": "frequency Hz", "loss_factor": "loss factor"}
+_DIGITS = (5, 9)  # fewest and most of a value with a standard error
+
+
+def _counted(kind: str, count: int) -> str:
+    words = kind.replace("_", " ")
+    return words if count == 1 else f"{words} ({count})"
+
+
+def _scatter(spread: "Spread | None") -> tuple[str, ...]:
     if spread is None:
-        return (f"{value:.5g}", "", "", "", "")
-    return tuple(f"{x:.5g}" for x in (value, spread.min, spread.max, spread.mean, spread.sd))
+        return ("",) * len(_STATISTICS)
+    return tuple(f"{x:.5g}" for x in (spread.min, spread.max, spread.mean, spread.sd))
+
+
+def _error(error: float | None) -> str:
+    return "" if error is None else f"{error:.2g}"
+
+
+def _digits(value: float, error: float | None) -> str:
+    """Return a value with as many digits as two of its standard error need."""
+    least, most = _DIGITS
+    if not error or not value or not (math.isfinite(error) and math.isfinite(value)):
+        return f"{value:.{least}g}"
+    needed = math.floor(math.log10(abs(value))) - math.floor(math.log10(abs(error))) + 2
+    return f"{value:#.{min(max(needed, least), most)}g}"
 
 
 def modal_model_of(data: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> "ModalModel":

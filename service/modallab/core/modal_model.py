@@ -143,7 +143,9 @@ class ModalModel:
     out_of_band_constant: ComplexArray | None = None
     """1/kg, (n_beyond, n_frf) modal constants A of these modes."""
     resynthesis_error: FloatArray | None = None
-    """(n_frf,) rms misfit of the synthesised FRF over the rms of the FRF."""
+    """(n_frf,) rms misfit of the synthesised FRF over the rms of the FRF, over the lines of `ranges`."""
+    ranges: tuple[tuple[float, float], ...] = ()
+    """Hz, first and last line of each range that the modes were extracted from."""
     frequency_inconsistency: FrequencyInconsistency | None = None
     """Frequency differences between the FRFs; None where they agree."""
     chart: StabilisationChart | None = None

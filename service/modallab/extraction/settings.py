@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from modallab.core.settings import Settings, setting
+from modallab.core.settings import JUDGEMENT, Settings, setting
 
 
 @dataclass(frozen=True)
@@ -54,6 +54,17 @@ class FitPlotSettings(Settings):
     )
 
 
+@dataclass(frozen=True)
+class SummarySettings(Settings):
+    """Summary of flags and notes."""
+
+    flags: int = setting(3, unit="flags", doc="Flags of a modal model that are named first.", tuned=JUDGEMENT)
+    notes_alike: int = setting(
+        3, unit="notes", doc="Notes that differ in numbers only and are all listed.", tuned=JUDGEMENT
+    )
+
+
 PROGRESS_SHARES = ProgressShareSettings()
 NOTES = ExtractionNoteSettings()
 FIT_PLOT = FitPlotSettings()
+SUMMARY = SummarySettings()

@@ -130,6 +130,8 @@ def _take_modal_model(thing: ModalModel) -> tuple[Json, Arrays]:
         body["options"] = dict(thing.options)
     if thing.exclude:
         body["exclude"] = [list(band) for band in thing.exclude]
+    if thing.ranges:
+        body["ranges"] = [list(limits) for limits in thing.ranges]
     if thing.doubtful:
         body["doubtful"] = [to_plain(pole)[0] for pole in thing.doubtful]
     if thing.references:
@@ -167,6 +169,7 @@ def _put_modal_model(body: Json, arrays: _ArrayMap) -> ModalModel:
         choices=body.get("choices", {}),
         options=body.get("options", {}),
         exclude=tuple((lower, upper) for lower, upper in body.get("exclude", ())),
+        ranges=tuple((lower, upper) for lower, upper in body.get("ranges", ())),
         notes=tuple(body["notes"]),
     )
 

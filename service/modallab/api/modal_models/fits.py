@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from modallab.api.limits import REPLY
 from modallab.api.measurements.indicators import IndicatorsReply, indicators_of
-from modallab.api.replies import reply
+from modallab.api.replies import replies_of, reply
 from modallab.api.thinning import numbers
 from modallab.api.wire import DofText
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, NotFoundError
 from modallab.core.frf import FrfSet
-from modallab.core.modal_model import ModalModel, StabilisationChart
+from modallab.core.modal_model import DoubtfulMode, ModalModel, StabilisationChart
 from modallab.extraction.multi_mode.global_method import GLOBAL_METHODS
 from modallab.extraction.plot_data import FitPlotData
 from modallab.rig.measurement import Measurement
@@ -105,6 +105,10 @@ ChartReply: Any = reply(
     "StabilisationChart",
     mode=(list[int | None], "(n_poles,) number of the mode that the pole belongs to, from 1; null for none."),
     modes=(list[float], "Hz, (n_modes,) natural frequencies of the model."),
+    doubtful=(
+        replies_of(DoubtfulMode),
+        "Poles within the range that are not among the modes, each with the reason, in ascending frequency.",
+    ),
     notes=(list[str], "Reasons for each mode, and poles that were left out."),
     indicators=(IndicatorsReply, "Mode indicator functions of the measurement."),
 )
@@ -131,6 +135,7 @@ def chart_reply(model: ModalModel, measurement: Measurement, points: int) -> Any
             **vars(chart),
             "mode": [mode + 1 if mode >= 0 else None for mode in chart.mode.tolist()],
             "modes": model.frequencies.tolist(),
+            "doubtful": [vars(pole) for pole in model.doubtful],
             "notes": list(model.notes),
             "indicators": indicators_of(measurement, points),
         }

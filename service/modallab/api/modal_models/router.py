@@ -30,7 +30,7 @@ from modallab.api.modal_models.reciprocal import (
     ModalReciprocityReply,
     modal_reciprocity_of,
 )
-from modallab.api.modal_models.replies import ModalModelReply, modal_model_reply
+from modallab.api.modal_models.replies import DETAILS, ModalModelReply, modal_model_reply
 from modallab.api.modal_models.schemas import ModalModelIn, ModalModelStart
 from modallab.api.modal_models.table import COLUMNS, mode_rows
 from modallab.api.shelves import add_routes
@@ -112,12 +112,12 @@ def import_modal_model(
     response_model=ModalModelReply,
     responses=csv_replies(COLUMNS),
 )
-def get_modal_model(id: IdPath, store: StoreDep, as_csv: CsvWanted) -> Any:
+def get_modal_model(id: IdPath, store: StoreDep, as_csv: CsvWanted, details: DETAILS = []) -> Any:  # noqa: B006
     """Return the modes of a modal model without their shapes."""
     model = store.modal_models.get(id)
     if as_csv:
-        return csv_reply(COLUMNS, mode_rows(model))
-    return modal_model_reply(model, store.modal_models.entry(id))
+        return csv_reply(COLUMNS, mode_rows(model, details))
+    return modal_model_reply(model, store.modal_models.entry(id), details=details)
 
 
 @router.get(

@@ -115,8 +115,20 @@ def with_resynthesis(
         out_of_band_eigenvalue=out_of_band_poles,
         out_of_band_constant=None if out_of_band_poles is None else residuals[2:],
         resynthesis_error=misfit,
+        ranges=_ranges(responses.freq, bands),
         notes=(*model.notes, *_misfit_notes(misfit, random, model.frfs, has_error=has_coherence(responses))),
     )
+
+
+def _ranges(freq: FloatArray, bands: Sequence[Band]) -> tuple[tuple[float, float], ...]:
+    """Return first and last line, Hz, of each run of adjacent bands."""
+    runs: list[list[int]] = []
+    for first, last in sorted((band.first, band.last) for band in bands):
+        if runs and first <= runs[-1][1] + 1:
+            runs[-1][1] = max(runs[-1][1], last)
+        else:
+            runs.append([first, last])
+    return tuple((float(freq[first]), float(freq[last])) for first, last in runs)
 
 
 def _near(model: ModalModel, freq: FloatArray, smeared: int) -> BoolArray:
