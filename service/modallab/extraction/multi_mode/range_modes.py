@@ -18,6 +18,7 @@ from modallab.extraction.multi_mode.leakage_correction import LeakageCorrection,
 from modallab.extraction.multi_mode.leaked_modes import with_leakage_errors
 from modallab.extraction.multi_mode.mode_selection import Selection, chart_of, select
 from modallab.extraction.multi_mode.refinement import BandData, StartingPoles, between_ends, refine
+from modallab.extraction.multi_mode.residual_search import refine_with_search
 from modallab.extraction.multi_mode.settings import RANGES, SELECTION
 from modallab.extraction.multi_mode.stabilisation import stabilise
 from modallab.extraction.multi_mode.uniform_grid import poles_of_lines
@@ -26,6 +27,7 @@ from modallab.extraction.options import Damping
 from modallab.extraction.preprocessing.bands import find_bands, mode_indicator
 
 NOT_SHOWN = "residual pole without a column of the chart or a peak"
+SEARCHED = "no column of the chart: found in the residual of the fit of all other modes"
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +90,8 @@ def modes_of(
         start = all_starts(start, leaked, band_data.freq)
     if not len(start.eigenvalue):
         return None
-    refined = refine(clean, start, damping, part(progress, RANGES.pole_share, 1.0))
+    search = refine_with_search if leaked is None else refine  # leakage leaves more than noise
+    refined = search(clean, start, damping, part(progress, RANGES.pole_share, 1.0))
     if refined is None:
         return None
     if leaked is not None:
@@ -96,20 +99,33 @@ def modes_of(
     fit, between = refined.fit, between_ends(refined.fit, band_data.freq)
     match = _match(selection, fit, band_data.freq)
     doubts = _doubts(fit, band_data.freq)
+    searched = np.zeros(len(between), bool)
+    for lower, upper in refined.searched:
+        searched |= (fit.frequency >= lower) & (fit.frequency <= upper)
     if leaked is None:  # with leakage, reference modes need no column
-        shown = np.isin(np.arange(len(between)), match) | _with_peaks(fit, clean)
+        shown = np.isin(np.arange(len(between)), match) | searched | _with_peaks(fit, clean)
         doubts = [doubt or ("" if seen else NOT_SHOWN) for doubt, seen in zip(doubts, shown, strict=True)]
     modes = between & np.array([not doubt for doubt in doubts], bool)
     return RangeModes(
         fit,
         refined.weight,
         _chart(poles, stability, selection, match),
-        tuple(_reason(selection, match, m) for m in range(len(fit.eigenvalue))),
+        tuple(_reason(selection, match, m, searched[m]) for m in range(len(fit.eigenvalue))),
         modes,
         between & ~modes,
         tuple(doubts),
-        (*selection.left_out, *refined.left_out),
+        _no_modes((*selection.left_out, *refined.left_out), fit, modes),
         refined.leakage_bias,
+    )
+
+
+def _no_modes(left_out: Sequence[DoubtfulMode], fit: ModalFit, modes: BoolArray) -> tuple[DoubtfulMode, ...]:
+    """Return the poles left out on the way that are not at a mode of the result."""
+    frequency, width = fit.frequency[modes], (fit.loss_factor * fit.frequency)[modes]
+    return tuple(
+        pole
+        for pole in left_out
+        if not (np.abs(frequency - pole.frequency) < RANGES.match_distance * width).any()
     )
 
 
@@ -196,9 +212,10 @@ def _chart(poles: Poles, stability: IntArray, selection: Selection, match: IntAr
     return StabilisationChart(chart.order, chart.frequency, chart.loss_factor, chart.stability, mode)
 
 
-def _reason(selection: Selection, match: IntArray, mode: int) -> str:
+def _reason(selection: Selection, match: IntArray, mode: int, searched: bool) -> str:
     reasons = [selection.reasons[m] for m in np.flatnonzero(match == mode)]
-    return "; ".join(reasons) or "required by the fit in addition to the other modes"
+    other = SEARCHED if searched else "required by the fit in addition to the other modes"
+    return "; ".join(reasons) or other
 
 
 def pair_flags(fit: ModalFit, among: Sequence[int]) -> dict[int, list[str]]:

@@ -55,6 +55,8 @@ class RefinedModes:
     """Rejected poles, with the reason."""
     leakage_bias: FloatArray | None = None
     """(n_modes, 2) remaining bias of frequency, Hz, and loss factor by leakage; None without leakage."""
+    searched: tuple[tuple[float, float], ...] = ()
+    """Intervals, Hz, of the modes that were found in the residual of a fit."""
 
 
 def refine(
@@ -69,9 +71,15 @@ def refine(
     damping
         Damping model.
     """
+    return refine_all(band_data, _with_outer_modes(start, band_data.freq), damping, progress)
+
+
+def refine_all(
+    band_data: BandData, start: StartingPoles, damping: Damping, progress: Progress
+) -> RefinedModes | None:
+    """Return the fit of all significant modes as `refine`, from poles that include those out of band."""
     weight = band_data.weight
     left_out: list[DoubtfulMode] = []
-    start = _with_outer_modes(start, band_data.freq)
     for n in range(REFINEMENT.iterations):
         step = part(progress, 1 - REFINEMENT.later_share**n, 1 - REFINEMENT.later_share ** (n + 1))
         fit = fit_modes(

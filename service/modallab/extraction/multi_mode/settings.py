@@ -219,6 +219,76 @@ class RefinementSettings(Settings):
 
 
 @dataclass(frozen=True)
+class ResidualPoleSettings(Settings):
+    """Search for poles in the residual of a fit of all modes."""
+
+    searches: int = setting(
+        4,
+        doc="Searches, each in the residual of the fit before.",
+        derived="one for each mode of a close group",
+    )
+    trials: int = setting(
+        3, doc="Fits of one search, each without the rejected poles of the one before.", tuned=SUITE
+    )
+    first_share: float = setting(
+        0.7, doc="Share of the time for the first fit.", tuned="durations with 222 FRFs"
+    )
+    most_candidates: int = setting(
+        8, unit="poles", doc="Largest number of candidates of a search.", derived="cost: a search follows"
+    )
+    false_poles: float = setting(
+        1e-6,
+        doc="Probability that noise alone gives a candidate anywhere.",
+        derived="a candidate costs three fits; what becomes a mode is judged by `mode_errors`",
+    )
+    damping_ratio: float = setting(
+        3.0,
+        unit="loss factors",
+        doc="Largest ratio of a candidate's loss factor to the extreme ones of the known modes.",
+        derived="modes of a structure are damped alike; the fit determines the loss factor",
+    )
+    width_step: float = setting(
+        1.6,
+        unit="bandwidths",
+        doc="Ratio of successive bandwidths.",
+        derived="a bandwidth wrong by its root loses 3 % of the decrease of the squared residual",
+    )
+    group: float = setting(
+        0.25,
+        unit="bandwidths",
+        doc="Largest group of lines that are summed first.",
+        derived="a resonance turns by less than a seventh of its circle in it",
+    )
+    reach: float = setting(
+        4.0,
+        unit="bandwidths",
+        doc="Lines to either side that a candidate is fitted to.",
+        derived="beyond them lies 1/13 of a resonance's power",
+    )
+    least_reach: int = setting(
+        4, unit="lines", doc="The same where it is more.", derived="noise is estimated from the lines"
+    )
+    edge_lines: float = setting(
+        3.0,
+        unit="lines",
+        doc="Distance of a candidate from either end of the range.",
+        derived="a resonance needs lines on either flank",
+    )
+    closest: float = setting(
+        0.5,
+        unit="half-power bandwidths",
+        doc="Least distance of a new mode from the others.",
+        derived="closer poles describe one mode of a drifting frequency as well; a chart must show them",
+    )
+    noise_ratio: float = setting(
+        2.0,
+        unit="variances of a line",
+        doc="Mean squared residual around a new mode up to which it is noise.",
+        derived="variances of lines are estimated within a factor of two",
+    )
+
+
+@dataclass(frozen=True)
 class ModalFitSettings(Settings):
     """Gauss-Newton steps on the eigenvalues of all modes."""
 
@@ -429,6 +499,7 @@ SELECTION = SelectionSettings()
 UNIFORM_GRID = UniformGridSettings()
 RANGES = RangeSettings()
 REFINEMENT = RefinementSettings()
+RESIDUAL_POLES = ResidualPoleSettings()
 MODAL_FIT = ModalFitSettings()
 PROJECTION = ProjectionSettings()
 MODAL_COVARIANCE = ModalCovarianceSettings()
