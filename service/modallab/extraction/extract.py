@@ -117,6 +117,7 @@ def extract(
             n_modes=n_modes,
             leakage=leakage,
             bias=bias,
+            known={},
         )
     else:
         read = partial(

@@ -32,6 +32,12 @@ from modallab.extraction.single_mode.plan import damping_choice
 from modallab.extraction.single_mode_extraction import extract_mode_by_mode
 
 STARTING_METHOD = "dobson"  # undoes leakage of modes apart
+KnownModes = dict[tuple[int, int], ModalModel | None]
+"""Modes by `STARTING_METHOD`, by first and last line.
+
+Without leakage they only test whether the FRFs belong to one structure, for which those of either damping
+model serve.
+"""
 
 
 def extract_globally(
@@ -44,6 +50,7 @@ def extract_globally(
     n_modes: int | None,
     leakage: WindowLeakage | None,
     bias: FloatArray | float = 0.0,
+    known: KnownModes | None = None,
     progress: Progress = silent,
 ) -> ModalModel:
     """Return the modal model identified by a global method.
@@ -68,6 +75,8 @@ def extract_globally(
         As in `extract`.
     bias
         (n_freq, n_frf) relative bias of the lines in addition to their random error.
+    known
+        Single modes that an extraction of the same responses identified, and that it keeps for the next one.
 
     Raises
     ------
@@ -78,13 +87,14 @@ def extract_globally(
     search = find_frequency_ranges(responses, indicator, bands)
     ranges = search.ranges
     starting_share = PROGRESS_SHARES.single_modes if leakage is None else PROGRESS_SHARES.single_modes_leaked
-    single_modes = _single_mode_model(
-        responses,
-        options,
-        leakage,
-        slice(ranges[0].start, ranges[-1].stop),
-        part(progress, 0.0, starting_share),
-    )
+    known = {} if known is None or leakage is not None else known
+    lines = slice(ranges[0].start, ranges[-1].stop)
+    if (lines.start, lines.stop) not in known:
+        single_progress = part(progress, 0.0, starting_share)
+        known[lines.start, lines.stop] = _single_mode_model(
+            responses, options, leakage, lines, single_progress
+        )
+    single_modes = known[lines.start, lines.stop]
     charts = [Chart(lines, *orders_of(indicator[lines], options)) for lines in ranges]
     fits = _fits(
         find,
