@@ -27,7 +27,7 @@ from modallab.extraction.options import Damping
 from modallab.extraction.preprocessing.bands import find_bands, mode_indicator
 
 NOT_SHOWN = "residual pole without a column of the chart or a peak"
-SEARCHED = "no column of the chart: found in the residual of the fit of all other modes"
+FROM_RESIDUAL = "no column of the chart: found in the residual of the fit of all other modes"
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,18 +99,18 @@ def modes_of(
     fit, between = refined.fit, between_ends(refined.fit, band_data.freq)
     match = _match(selection, fit, band_data.freq)
     doubts = _doubts(fit, band_data.freq)
-    searched = np.zeros(len(between), bool)
-    for lower, upper in refined.searched:
-        searched |= (fit.frequency >= lower) & (fit.frequency <= upper)
+    residual_modes = np.zeros(len(between), bool)
+    for lower, upper in refined.residual_modes:
+        residual_modes |= (fit.frequency >= lower) & (fit.frequency <= upper)
     if leaked is None:  # with leakage, reference modes need no column
-        shown = np.isin(np.arange(len(between)), match) | searched | _with_peaks(fit, clean)
+        shown = np.isin(np.arange(len(between)), match) | residual_modes | _with_peaks(fit, clean)
         doubts = [doubt or ("" if seen else NOT_SHOWN) for doubt, seen in zip(doubts, shown, strict=True)]
     modes = between & np.array([not doubt for doubt in doubts], bool)
     return RangeModes(
         fit,
         refined.weight,
         _chart(poles, stability, selection, match),
-        tuple(_reason(selection, match, m, searched[m]) for m in range(len(fit.eigenvalue))),
+        tuple(_reason(selection, match, m, residual_modes[m]) for m in range(len(fit.eigenvalue))),
         modes,
         between & ~modes,
         tuple(doubts),
@@ -212,9 +212,9 @@ def _chart(poles: Poles, stability: IntArray, selection: Selection, match: IntAr
     return StabilisationChart(chart.order, chart.frequency, chart.loss_factor, chart.stability, mode)
 
 
-def _reason(selection: Selection, match: IntArray, mode: int, searched: bool) -> str:
+def _reason(selection: Selection, match: IntArray, mode: int, from_residual: bool) -> str:
     reasons = [selection.reasons[m] for m in np.flatnonzero(match == mode)]
-    other = SEARCHED if searched else "required by the fit in addition to the other modes"
+    other = FROM_RESIDUAL if from_residual else "required by the fit in addition to the other modes"
     return "; ".join(reasons) or other
 
 

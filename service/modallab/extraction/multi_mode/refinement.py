@@ -55,7 +55,7 @@ class RefinedModes:
     """Rejected poles, with the reason."""
     leakage_bias: FloatArray | None = None
     """(n_modes, 2) remaining bias of frequency, Hz, and loss factor by leakage; None without leakage."""
-    searched: tuple[tuple[float, float], ...] = ()
+    residual_modes: tuple[tuple[float, float], ...] = ()
     """Intervals, Hz, of the modes that were found in the residual of a fit."""
 
 

@@ -76,8 +76,8 @@ def _with_candidates(
             new = _new_modes(refined.fit, fit, band_data.freq)
             width = (fit.loss_factor * fit.frequency)[new]
             low, high = (fit.frequency[new] + sign * width for sign in (-1, 1))
-            searched = (*refined.searched, *zip(low.tolist(), high.tolist(), strict=True))
-            return replace(trial, left_out=refined.left_out, searched=searched)
+            residual_modes = (*refined.residual_modes, *zip(low.tolist(), high.tolist(), strict=True))
+            return replace(trial, left_out=refined.left_out, residual_modes=residual_modes)
     return None
 
 
