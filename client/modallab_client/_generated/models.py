@@ -708,6 +708,8 @@ class Measurement(MeasurementMethods):
     """Assumptions about an imported test that neither its file nor its log book states."""
     averages: float
     """1, effective number of independent averages."""
+    averages_error: float | None
+    """1, standard error of averages that are estimated; null: they are declared."""
     created: str
     """time of creation, ISO 8601, UTC"""
     frequency_max: float
@@ -794,6 +796,8 @@ class MeasurementLog:
     """Assumptions about an imported test that neither its file nor its log book states."""
     averages: float
     """1, effective number of independent averages."""
+    averages_error: float | None
+    """1, standard error of averages that are estimated; null: they are declared."""
     created: str
     """time of creation, ISO 8601, UTC"""
     id: str

@@ -17,14 +17,16 @@ from modallab.rig.analyser import Analyser
 
 @dataclass(frozen=True)
 class EstimatedAverages:
-    """Effective averages of a file that states none."""
+    """Effective averages of a file: declared, or else estimated."""
 
     value: float
     """1, effective number of averages."""
-    assumption: Assumption
-    """What is assumed of them, with the reason."""
+    assumed: tuple[Assumption, ...] = ()
+    """What is assumed of them, with the reason; none where they are declared."""
     correlation: ErrorCorrelation | None = None
     """Correlation of the errors of neighbouring lines; None if there is no random error."""
+    standard_error: float | None = None
+    """1, of the value; None where nothing tells it."""
 
 
 def averages_of(content: FileContent, window: Window | None) -> EstimatedAverages:
@@ -43,16 +45,17 @@ def averages_of(content: FileContent, window: Window | None) -> EstimatedAverage
     usual = float(Analyser().simulated_averages)
     if content.coherence is None:
         reason = "nothing tells them; without coherence no random error follows from them"
-        return EstimatedAverages(usual, Assumption("averages", f"{usual:g}", reason))
+        return EstimatedAverages(usual, (Assumption("averages", f"{usual:g}", reason),))
     values, coherence = _above_rest(content)
     estimate = estimated_averages(values, coherence, window)
     if estimate is None:
         reason = "nothing tells them; a coherence of 1 has no random error"
-        return EstimatedAverages(usual, Assumption("averages", f"{usual:g}", reason))
+        return EstimatedAverages(usual, (Assumption("averages", f"{usual:g}", reason),))
     averages = min(estimate.value, READING.max_stated_averages)
     text = f"{averages:.4g} +- {estimate.standard_error:.2g}"
     reason = "estimated from coherence and the scatter of neighbouring lines; `averages` declares them"
-    return EstimatedAverages(averages, Assumption("averages", text, reason), estimate.correlation)
+    assumed = (Assumption("averages", text, reason),)
+    return EstimatedAverages(averages, assumed, estimate.correlation, estimate.standard_error)
 
 
 def random_error_of(content: FileContent, window: Window | None) -> tuple[Assumption, ...]:

@@ -6,10 +6,9 @@ from modallab.core.arrays import FloatArray
 from modallab.core.assumption import Assumption
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
-from modallab.estimation.error_correlation import ErrorCorrelation
 from modallab.estimation.windows import WINDOWS, Window
 from modallab.interchange.declared import NOTHING_DECLARED, DeclaredTest
-from modallab.interchange.estimated import averages_of, random_error_of
+from modallab.interchange.estimated import EstimatedAverages, averages_of, random_error_of
 from modallab.interchange.file_content import FileContent
 from modallab.interchange.frequency_axis import analyser_of, lines_on
 from modallab.rig.analyser import ExcitationSetting
@@ -46,11 +45,12 @@ class MeasuredFile(FileContent):
             If the file contradicts the rig, or its arrays do not fit together.
         """
         declared.check_against(setup)
-        averages, assumed, _ = self._averages(declared, setup.analyser.averages, setup.analyser.line_window)
+        averages, assumed = self._averages(declared, setup.analyser.averages, setup.analyser.line_window)
         return Measurement(
             frf=replace(self.frf, freq=lines_on(setup.analyser, self.frf.freq, self.axis_error)),
             coherence=self._shaped(self.coherence, setup),
-            averages=averages,
+            averages=averages.value,
+            averages_error=averages.standard_error,
             setup=replace(setup, drives=self._drives(setup), responses=self._responses(setup)),
             force_spectrum=self.force_spectrum,
             response_spectrum=self._shaped(self.response_spectrum, setup),
@@ -70,9 +70,9 @@ class MeasuredFile(FileContent):
             If the file's arrays do not fit together.
         """
         window = None if declared.window is None else WINDOWS[declared.window]
-        averages, assumed, correlation = self._averages(declared, None, window)
+        averages, assumed = self._averages(declared, None, window)
         exciter = declared.exciter or ("hammer" if len(self.frf.inputs) > 1 else "shaker")
-        analyser, notes = analyser_of(self.frf.freq, averages)
+        analyser, notes = analyser_of(self.frf.freq, averages.value)
         setup = RigSetup(
             drives=self.frf.inputs,
             responses=self.frf.outputs,
@@ -87,23 +87,24 @@ class MeasuredFile(FileContent):
         return Measurement(
             frf=self.frf,
             coherence=self._shaped(self.coherence, setup),
-            averages=averages,
+            averages=averages.value,
+            averages_error=averages.standard_error,
             setup=setup,
             force_spectrum=self.force_spectrum,
             response_spectrum=self._shaped(self.response_spectrum, setup),
             notes=("imported", NO_LOG_BOOK, *notes, *self._missing_data_notes(), *self.notes),
-            assumed=(*self.assumed, *assumed, *declared.assumptions(exciter, correlation)),
+            assumed=(*self.assumed, *assumed, *declared.assumptions(exciter, averages.correlation)),
         )
 
     def _averages(
         self, declared: DeclaredTest, in_rig: float | None, window: Window | None
-    ) -> tuple[float, tuple[Assumption, ...], ErrorCorrelation | None]:
-        """Return effective averages, what lines tell of random errors, and how these are correlated."""
+    ) -> tuple[EstimatedAverages, tuple[Assumption, ...]]:
+        """Return effective averages, and what is assumed of them and of random errors."""
         known, errors = declared.known_averages(self.averages, in_rig), random_error_of(self, window)
         if known is not None:
-            return known, errors, None
+            return EstimatedAverages(known), errors
         averages = averages_of(self, window)
-        return averages.value, (averages.assumption, *errors), averages.correlation
+        return averages, (*averages.assumed, *errors)
 
     def _missing_data_notes(self) -> tuple[str, ...]:
         return (NO_COHERENCE,) if self.coherence is None else ()

@@ -46,6 +46,8 @@ class Measurement:
     """Remarks on systematic changes of the FRFs."""
     assumed: tuple[Assumption, ...] = ()
     """Assumptions about an imported test that neither its file nor its log book states."""
+    averages_error: float | None = None
+    """1, standard error of averages that are estimated; None: they are declared."""
 
     def __post_init__(self) -> None:
         shape = self.frf.values.shape

@@ -76,7 +76,10 @@ def arrays_of(thing: Measurement) -> Arrays:
 def _take_measurement(thing: Measurement) -> tuple[Json, Arrays]:
     arrays = arrays_of(thing)
     body = {"setup": to_plain(thing.setup)[0], "seed": thing.seed, "notes": list(thing.notes)}
-    body["assumed"] = [to_plain(assumption)[0] for assumption in thing.assumed]
+    body |= {
+        "assumed": [to_plain(assumption)[0] for assumption in thing.assumed],
+        "averages_error": thing.averages_error,
+    }
     return body | {"route": thing.route, "libraries": dict(thing.libraries)}, arrays
 
 
@@ -95,6 +98,7 @@ def _put_measurement(body: Json, arrays: _ArrayMap) -> Measurement:
         libraries=body.get("libraries", {}),
         notes=tuple(body["notes"]),
         assumed=tuple(from_plain(Assumption, tree, {}) for tree in body.get("assumed", ())),
+        averages_error=body.get("averages_error"),
     )
 
 

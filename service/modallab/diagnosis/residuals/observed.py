@@ -20,11 +20,13 @@ from modallab.diagnosis.residuals.random_error import (
     force_spectrum,
     incoherent_spectrum,
     replace_zeros,
+    scale_error,
     scatter_error,
     shared_noise,
     weak_line_factor,
 )
 from modallab.diagnosis.residuals.settings import RANDOM_ERROR
+from modallab.estimation.line_scatter import Estimate
 from modallab.estimation.settings import FORCE_NOISE
 from modallab.estimation.spectra import CrossSpectra
 from modallab.estimation.windows import WINDOWS
@@ -73,6 +75,8 @@ class Observed:
     """(n_freq, n_out), bias of ln |H| when weighted by its measured error."""
     averages: float = np.inf
     """Effective number of averages."""
+    scale_error: float = 0.0
+    """Relative standard error of the variances of all FRFs, where they are estimated themselves."""
     variance_floor: float = RANDOM_ERROR.prediction_error**2
     """Least variance of the logarithm of an auto spectrum."""
     free_levels: FreeLevels = ALL_DECLARED
@@ -177,7 +181,10 @@ def observe(measurement: Measurement, held_out: Sequence[FrfSelection], *, fract
     power = {"h1": 0.0, "h2": 1.0, "hv": 0.5}[analyser.estimator]
     h = spectra.h * g2**power
     prediction_error = RANDOM_ERROR.prediction_error
-    line_error = _line_error(spectra, analyser.window)
+    scatter = None
+    if spectra.coherence is None and spectra.noise_floor is None:
+        scatter = scatter_error(spectra.h, analyser.window)
+    line_error = _line_error(spectra, scatter)
     error = np.sqrt(coherence_variance + (line_error * weak_line_factor(h)) ** 2 + prediction_error**2)
     # Power has twice the relative error of amplitude.
     variance_floor = 4 * (noise_floor**2 + prediction_error**2)
@@ -201,6 +208,7 @@ def observe(measurement: Measurement, held_out: Sequence[FrfSelection], *, fract
         correlation_length=float((window**2).mean() / window.mean() ** 2),
         bias=2 * coherence_variance**2 / error**2,
         averages=measurement.averages,
+        scale_error=scale_error(measurement, scatter),
         variance_floor=variance_floor,
         shared_noise=shared_noise(spectra),
         free_levels=FreeLevels.of(measurement.setup),
@@ -209,15 +217,14 @@ def observe(measurement: Measurement, held_out: Sequence[FrfSelection], *, fract
     return observed
 
 
-def _line_error(spectra: ChannelSpectra, window: str) -> FloatArray | float:
+def _line_error(spectra: ChannelSpectra, scatter: Sequence[Estimate] | None) -> FloatArray | float:
     """Return the random error of each FRF over its median, beside what coherence tells.
 
     As stated; without both, that which the scatter of neighbouring lines shows.
     """
     if spectra.noise_floor is not None:
         return spectra.noise_floor
-    scatter = scatter_error(spectra.h, window) if spectra.coherence is None else None
-    return 0.0 if scatter is None else scatter
+    return 0.0 if scatter is None else np.array([estimate.value for estimate in scatter])
 
 
 def _driven(analyser: Analyser, freq: FloatArray) -> BoolArray:

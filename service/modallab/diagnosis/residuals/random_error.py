@@ -1,5 +1,6 @@
 """Random errors of averaged spectra and of their logarithms."""
 
+from collections.abc import Sequence
 from typing import TypeVar
 
 import numpy as np
@@ -11,7 +12,7 @@ from modallab.core.numerics import COHERENCE_ROUNDING, SAFE_DIVISOR
 from modallab.diagnosis.residuals.channel_spectra import ChannelSpectra
 from modallab.diagnosis.residuals.settings import RANDOM_ERROR
 from modallab.estimation.force_noise import ForceChannelNoise
-from modallab.estimation.line_scatter import estimated_error
+from modallab.estimation.line_scatter import Estimate, estimated_error
 from modallab.estimation.settings import FORCE_NOISE
 from modallab.estimation.windows import WINDOWS
 from modallab.rig.excitation import EXCITATIONS
@@ -57,13 +58,24 @@ def check_random_error_known(measurement: Measurement) -> None:
         )
 
 
-def scatter_error(h: ComplexArray, window: str) -> FloatArray | None:
+def scatter_error(h: ComplexArray, window: str) -> tuple[Estimate, ...] | None:
     """Return the random error of FRFs (n_freq, n_out) over their median magnitude; None if lines are too few.
 
     (n_out,), from the scatter of neighbouring lines about a smooth local model.
     """
-    estimates = estimated_error(h[1:], WINDOWS[window])
-    return None if estimates is None else np.array([estimate.value for estimate in estimates])
+    return estimated_error(h[1:], WINDOWS[window])
+
+
+def scale_error(measurement: Measurement, scatter: Sequence[Estimate] | None) -> float:
+    """Return the relative standard error of the variances of FRFs, where these are estimated themselves.
+
+    They go with 1/(n - 2) of the averages n, or with the square of the scatter of lines.
+    """
+    if scatter is not None:
+        return 2 * float(np.median([e.standard_error / max(e.value, SAFE_DIVISOR) for e in scatter]))
+    if measurement.averages_error is None or measurement.averages <= RANDOM_ERROR.min_averages:
+        return 0.0
+    return measurement.averages_error / (measurement.averages - 2)
 
 
 def coherence_and_variance(spectra: ChannelSpectra) -> tuple[FloatArray, FloatArray]:

@@ -31,7 +31,11 @@ def is_noise_only(
     observed = predictor.observed
     for mask in (observed.fitted, observed.held_out_mask):
         errors = gap_errors(observed, residual, mask, max_lag=max_lag)
-        if any(gap > largest_gap_by_chance(errors[part]) for part, gap in residual.gaps(mask).items()):
+        limits = {
+            part: largest_gap_by_chance(float(np.hypot(error, observed.scale_error)))
+            for part, error in errors.items()
+        }
+        if any(gap > limits[part] for part, gap in residual.gaps(mask).items()):
             return False
     return True
 

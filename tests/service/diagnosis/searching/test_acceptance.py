@@ -14,8 +14,10 @@ from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.frf_selection import FrfSelection
 from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.residuals.residual import Residual
 from modallab.diagnosis.result import Verdict
 from modallab.diagnosis.searching.acceptance import (
+    is_noise_only,
     is_nonzero,
     is_significant,
     model_probabilities,
@@ -29,7 +31,7 @@ from modallab.effects.stinger_axial import StingerAxial
 from modallab.effects.suspension import SuspensionStiffness
 from modallab.effects.transverse_sensitivity import TransverseSensitivity
 from modallab.rig.measure import Route, measure
-from tests.diagnosing import draw_measurement, model, rig
+from tests.diagnosing import draw_measurement, model, predicting, rig
 
 HERE = Channels((Dof(5, "Y"),))
 
@@ -38,6 +40,19 @@ def test_an_amount_within_two_standard_errors_of_none_is_no_effect() -> None:
     assert is_nonzero(GainError(HERE, 1.05), {"factor": 0.02})
     assert not is_nonzero(GainError(HERE, 1.05), {"factor": 0.03})
     assert not is_nonzero(MainsHum(HERE, 0.01, 50.0), {"ratio": 0.006, "frequency": 0.02})
+
+
+def test_random_errors_that_are_estimated_leave_as_much_of_a_gap() -> None:
+    # Variances 15 % too small, 4.5 times the scatter of the gap of 966 lines, and 1.5 times their own error.
+    test = draw_measurement(rig(averages=100, roving=False), seed=1)
+    gaps = []
+    for error in (None, 10.0):
+        predictor, observed = predicting(replace(test, averages_error=error))
+        assert observed.scale_error == pytest.approx(0.0 if error is None else 10 / 98)
+        frf = fit(predictor, ()).residual.frf
+        frf = frf * np.sqrt(1.15 / (np.abs(frf[observed.fitted]) ** 2).mean())
+        gaps.append(is_noise_only(predictor, Residual(frf, None, None, averages=100.0)))
+    assert gaps == [False, True]
 
 
 def test_an_amount_whose_direction_nothing_tells_is_left_to_the_likelihood() -> None:
