@@ -147,7 +147,7 @@ def read(reply: results.Diagnosis, question: Question) -> result.Diagnosis:
 
 def _step(item: results.Step) -> result.Step:
     parameters = {
-        name: result.FittedParameter(p.value, _number(p.standard_error), p.unit)
+        name: result.FittedParameter(_number(p.value), _number(p.standard_error), p.unit)
         for name, p in item.effect.parameters.items()
     }
     return result.Step(

@@ -338,8 +338,8 @@ class FittedParameter(FittedParameterMethods):
     """In `unit`, random error of the estimate; null where it cannot be stated."""
     unit: str
     """SI unit of value and standard error; `1` for a ratio."""
-    value: float
-    """In `unit`, the estimate."""
+    value: float | None
+    """In `unit`, the estimate; null where it needs a level: of a nonlinear effect, the level unknown."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -147,6 +147,8 @@ def compared(hidden: Hidden, diagnosis: results.Diagnosis) -> str:
         parameter = step.effect.parameters.get(hidden.parameter)
         if (step.effect.kind, step.effect.at) != (hidden.kind, hidden.at) or parameter is None:
             continue
+        if parameter.value is None:
+            return f"Its {hidden.parameter} needs a level."
         error = parameter.value - hidden.value
         share = f"{100 * abs(error) / abs(hidden.value):.2g} % off the hidden {hidden.value:.5g}"
         if not parameter.standard_error:

@@ -91,11 +91,13 @@ class FittedParameterMethods:
     """A fitted parameter prints with its standard error and unit."""
 
     if TYPE_CHECKING:
-        value: float
+        value: float | None
         standard_error: float | None
         unit: str
 
     def __str__(self) -> str:
+        if self.value is None:
+            return "needs a level"
         unit = "" if self.unit in ("", "1") else f" {self.unit}"
         error = self.standard_error
         if error is None or not math.isfinite(error) or error <= 0:

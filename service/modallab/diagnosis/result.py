@@ -25,8 +25,8 @@ class Verdict(StrEnum):
 class FittedParameter:
     """Parameter of an effect, as fitted, with its standard error."""
 
-    value: float
-    """In `unit`, the estimate."""
+    value: NanFloat
+    """In `unit`, the estimate; nan where it needs a level: of a nonlinear effect, the level unknown."""
     standard_error: NanFloat
     """In `unit`, random error of the estimate; nan where it cannot be stated."""
     unit: str

@@ -31,12 +31,15 @@ from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 
 
-def _fitted(fit: Fit, i: int) -> FittedEffect:
+def _fitted(fit: Fit, i: int, *, level_known: bool) -> FittedEffect:
     effect, errors = fit.effects[i], fit.errors[i]
-    parameters = {
-        name: FittedParameter(effect.parameters[name], errors[name], spec.unit)
-        for name, spec in effect.specs().items()
-    }
+
+    def parameter(name: str, unit: str) -> FittedParameter:
+        if not level_known and name in effect.level_dependent:
+            return FittedParameter(np.nan, np.nan, unit)
+        return FittedParameter(effect.parameters[name], errors[name], unit)
+
+    parameters = {name: parameter(name, spec.unit) for name, spec in effect.specs().items()}
     return FittedEffect(effect.kind, effect.at, parameters)
 
 
@@ -84,7 +87,7 @@ def step(predictor: Predictor, accepted: AcceptedEffect, final: Fit, *, explaine
     # Parameters from the final fit: effects that were still missing in the effect's own round distort them.
     position = [(e.kind, str(e.at)) for e in final.effects].index(accepted.kind_and_place)
     return Step(
-        effect=_fitted(final, position),
+        effect=_fitted(final, position, level_known=any(test.level_known for test in predictor.tests)),
         probability=probability[id(chosen)] * (1.0 if explained else DIAGNOSIS.incomplete_probability),
         gap_before=accepted.previous_fit.residual.gap(observed.fitted),
         gap_after=accepted.fit.residual.gap(observed.fitted),

@@ -28,6 +28,7 @@ class CubicStiffness(Effect):
     kind: ClassVar[str] = "cubic_stiffness"
     summary: ClassVar[str] = "hardening spring: frequencies rise with the level"
     stage: ClassVar[Stage] = Stage.MOTION
+    level_dependent: ClassVar[tuple[str, ...]] = ("stiffness",)
     intermittent: ClassVar[bool] = True
     structural: ClassVar[bool] = True
     allowed_places: ClassVar[tuple[type, ...]] = (Dof,)

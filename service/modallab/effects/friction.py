@@ -30,6 +30,7 @@ class Friction(Effect):
     kind: ClassVar[str] = "friction"
     summary: ClassVar[str] = "dry friction: damping falls as the level rises"
     stage: ClassVar[Stage] = Stage.MOTION
+    level_dependent: ClassVar[tuple[str, ...]] = ("force", "sticking")
     intermittent: ClassVar[bool] = True
     structural: ClassVar[bool] = True
     allowed_places: ClassVar[tuple[type, ...]] = (Dof,)

@@ -30,6 +30,7 @@ class Rattle(Effect):
     kind: ClassVar[str] = "rattle"
     summary: ClassVar[str] = "stops that the structure strikes above a certain level"
     stage: ClassVar[Stage] = Stage.MOTION
+    level_dependent: ClassVar[tuple[str, ...]] = ("gap",)
     intermittent: ClassVar[bool] = True
     structural: ClassVar[bool] = True
     suspected: ClassVar[bool] = False

@@ -12,6 +12,7 @@ from modallab.diagnosis.fitting.covariance import ParameterErrors
 from modallab.diagnosis.fitting.fit import fit
 from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
+from modallab.diagnosis.reporting.text import number_text
 from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.residuals.residual import residual
 from modallab.diagnosis.searching.acceptance import is_significant
@@ -120,3 +121,16 @@ def test_a_force_whose_size_is_known_to_a_factor_only_is_accepted_all_the_same()
     after = fit(predictor, [strong])
     vague = ParameterErrors(({"stiffness": strong.stiffness},), np.zeros(0))
     assert is_significant(predictor, fit(predictor, []), replace(after, compute_errors=lambda: vague))
+
+
+def test_a_force_that_grows_with_the_level_is_named_without_a_size_where_nothing_tells_the_level() -> None:
+    setup = rig(roving=False)
+    excitation = replace(setup.analyser.excitation, level=None)
+    undeclared = replace(setup, analyser=replace(setup.analyser, excitation=excitation))
+    measured = replace(draw_measurement(setup, [CUBIC]), force_spectrum=None, response_spectrum=None)
+    diagnosis = diagnose(model(), replace(measured, setup=undeclared), suspects=["cubic_stiffness"])
+    effect = diagnosis.steps[0].effect
+    assert (effect.kind, effect.at) == ("cubic_stiffness", CUBIC.at)
+    assert np.isnan(effect.parameters["stiffness"].value)
+    assert number_text(effect.parameters["stiffness"]) == "needs a level"
+    assert any("needs a level" in note for note in diagnosis.notes)

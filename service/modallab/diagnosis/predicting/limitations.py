@@ -96,8 +96,8 @@ def _of_levels(observed: Observed) -> Iterator[str]:
         yield "the source's spectrum is not declared: a force is compared beside a smooth curve fitted to it"
     elif levels.source:
         yield "the source's level is not declared: a force is compared beside a level fitted to it"
-    if levels.source and observed.force is None:
-        yield "neither level nor force spectrum: the size of a nonlinear force needs a level, here 1 N"
+    if not observed.level_known:
+        yield "neither level nor force spectrum: the size of a nonlinear force needs a level, and is not told"
 
 
 def _pairs(count: int) -> str:

@@ -121,6 +121,11 @@ class SingleTestPredictor:
         return self.lines[self.coarse_places]
 
     @property
+    def level_known(self) -> bool:
+        """Whether log book or force spectrum tell the level of the source."""
+        return self.observed.level_known
+
+    @property
     def tests(self) -> "tuple[SingleTestPredictor, ...]":
         """The predictor itself."""
         return (self,)

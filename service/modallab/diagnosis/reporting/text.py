@@ -86,6 +86,8 @@ def number_text(parameter: FittedParameter) -> str:
     """Return a fitted parameter with its standard error and unit, in significant digits."""
     value, error = parameter.value, parameter.standard_error
     unit = "" if parameter.unit == "1" else f" {parameter.unit}"
+    if not math.isfinite(value):
+        return "needs a level"
     if not (math.isfinite(error) and error > 0):
         return f"{value:.6g}{unit}"
     power = math.floor(math.log10(max(abs(value), error)))

@@ -124,6 +124,11 @@ class Observed:
         """
         return self.free_levels.fitted(spectra, self, lines)
 
+    @property
+    def level_known(self) -> bool:
+        """Whether log book or force spectrum tell the level of the source."""
+        return self.force is not None or not self.free_levels.source
+
     def at(self, lines: IntArray) -> "Observed":
         """Return some of the lines, (n,) indices."""
         return replace(
