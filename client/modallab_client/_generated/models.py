@@ -393,7 +393,7 @@ class ToleratedParameter:
     """Nuisance parameter, free within its tolerance and fitted beside the missing effects."""
 
     at: str | Mapping[str, Any] | None
-    """Channel to which the parameter belongs; null: all."""
+    """Channel or member to which the parameter belongs; null: all."""
     mode: int | None
     """Elastic mode of the model to which the parameter belongs, counted from 1; null: no mode."""
     name: str

@@ -143,7 +143,7 @@ def diagnose(
     candidates = Suspects(suspected(predictor, suspects), least_suspicion)
     path = search(predictor, start, candidates, max_effects=max_effects, progress=pulse)
     pulse(0.94, "preparing the result")
-    explained = is_noise_only(predictor, path.fit.residual, max_lag=None)
+    explained = is_noise_only(predictor, path.fit, max_lag=None)
     steps = tuple(step(predictor, accepted, path.fit, explained=explained) for accepted in path.steps)
     model, log_book = extended(structure, measurement.setup, path.fit.effects)
     residual = path.fit.residual

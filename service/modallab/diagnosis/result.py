@@ -60,7 +60,7 @@ class ToleratedParameter:
     unit: str
     """Unit of value, error and tolerance; `1` for a ratio."""
     at: Place = None
-    """Channel to which the parameter belongs; None: all."""
+    """Channel or member to which the parameter belongs; None: all."""
     mode: int | None = None
     """Elastic mode of the model to which the parameter belongs, counted from 1; None: no mode."""
 

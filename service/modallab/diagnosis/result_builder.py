@@ -7,7 +7,9 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
+from modallab.core.place import Members
 from modallab.diagnosis.fitting.fit import Fit
+from modallab.diagnosis.optimisation.nuisances import FIELDS, Nuisances
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.residual import gap_error
@@ -44,9 +46,10 @@ def _fitted(fit: Fit, i: int, *, level_known: bool) -> FittedEffect:
 
 
 def tolerated(predictor: Predictor, best: Fit) -> tuple[ToleratedParameter, ...]:
-    """Return the nuisance parameters, as fitted."""
-    estimates = zip(predictor.nuisances.parameters, best.nuisance_position, best.nuisance_errors, strict=True)
-    return tuple(
+    """Return the nuisance parameters, as fitted; of random fields the factor of each member."""
+    nuisances = predictor.nuisances
+    estimates = zip(nuisances.parameters, best.nuisance_position, best.nuisance_errors, strict=True)
+    single = tuple(
         ToleratedParameter(
             name=nuisance.name,
             at=nuisance.at,
@@ -57,7 +60,24 @@ def tolerated(predictor: Predictor, best: Fit) -> tuple[ToleratedParameter, ...]
             unit=nuisance.unit,
         )
         for nuisance, position, error in estimates
+        if nuisance.shape is None
     )
+    return single + tuple(row for name in FIELDS for row in _factors_of_members(nuisances, best, name))
+
+
+def _factors_of_members(nuisances: Nuisances, best: Fit, name: str) -> list[ToleratedParameter]:
+    """Return the factor of each member that a random field gives."""
+    indices = nuisances.indices_of(name)
+    if not len(indices):
+        return []
+    deviation = nuisances.parameters[indices[0]].standard_deviation
+    factors = np.exp(nuisances.field.logarithms(deviation, best.nuisance_position[indices]))
+    covariance = best.nuisance_covariance[np.ix_(indices, indices)]
+    errors = factors * nuisances.field.standard_errors(deviation, covariance)
+    return [
+        ToleratedParameter(name, float(factor), float(error), deviation, "1", Members((number,)))
+        for number, factor, error in zip(nuisances.field.numbers, factors, errors, strict=True)
+    ]
 
 
 def rivals(predictor: Predictor, candidates: Sequence[Fit], chosen: Fit | None = None) -> tuple[Rival, ...]:

@@ -187,6 +187,7 @@ class Assembly:
             ends=tuple(m.nodes for m in self.structure.all_members),
             bars=self._bars,
             points=self._points,
+            centres=self._centres,
             rows=self.rows,
             mass=mass,
             axial=factors.axial[:, None, None] * self.axial,
@@ -217,6 +218,12 @@ class Assembly:
                 for m in self.structure.all_members
             ]
         )
+
+    @cached_property
+    def _centres(self) -> FloatArray:
+        """(n_members, 2 or 3) m, mean of each member's nodes."""
+        nodes, members = self.structure.nodes, self.structure.all_members
+        return np.array([np.mean([nodes[n] for n in member.nodes], axis=0) for member in members])
 
     def _shear(self, factors: Coefficients) -> Shear:
         n = len(self.members)

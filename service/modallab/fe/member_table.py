@@ -38,6 +38,7 @@ class MemberTable:
     ends: tuple[tuple[int, ...], ...]  # nodes; of a bar its two ends
     bars: BoolArray  # (n_members,) straight, with two ends
     points: FloatArray  # (n_members, 2, 2) m, x and y of each end of a bar
+    centres: FloatArray  # (n_members, 2 or 3) m, mean of each member's nodes
     rows: IntArray  # (n_members, w), -1 where a DoF is fixed or a member has fewer
     mass: FloatArray  # (n_members, w, w)
     axial: FloatArray
@@ -137,13 +138,22 @@ class MemberTable:
         nodes, counts = np.unique(np.array(ends, int), return_counts=True)
         return tuple(int(node) for node in nodes[counts > 1])
 
-    def scaled(self, *, mass: float, stiffness: float, loss: float = 1.0) -> "MemberTable":
-        """Return the table with mass, stiffness and stiffness-proportional damping multiplied."""
+    def scaled(
+        self, *, mass: float | FloatArray, stiffness: float | FloatArray, loss: float = 1.0
+    ) -> "MemberTable":
+        """Return the table with mass, stiffness and stiffness-proportional damping multiplied.
+
+        Parameters
+        ----------
+        mass, stiffness
+            Factors of all members, or (n_members,) of each.
+        """
+        m, k = (np.reshape(factor, (-1, 1, 1)) for factor in (mass, stiffness))
         return replace(
             self,
-            mass=self.mass * mass,
-            axial=self.axial * stiffness,
-            bending=self.bending * stiffness,
+            mass=self.mass * m,
+            axial=self.axial * k,
+            bending=self.bending * k,
             losses=self.losses.scaled(loss),
             shear=self.shear.scaled(mass=mass, stiffness=stiffness),
         )

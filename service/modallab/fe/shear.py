@@ -96,8 +96,8 @@ class Shear:
             self.amount[only],
         )
 
-    def scaled(self, *, mass: float, stiffness: float) -> "Shear":
-        """Return the data of members with mass and stiffness multiplied."""
+    def scaled(self, *, mass: float | FloatArray, stiffness: float | FloatArray) -> "Shear":
+        """Return the data of members with mass and stiffness multiplied, all or (n_members,) each."""
         return replace(self, rigidity=self.rigidity * stiffness, line_mass=self.line_mass * mass)
 
     def more(self, amount: float) -> "Shear":

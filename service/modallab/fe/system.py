@@ -162,6 +162,21 @@ class DynamicSystem(SystemMatrices):
             stiffness if same_shapes else None,
         )
 
+    def with_member_factors(
+        self, *, stiffness: tuple[float, ...] = (), mass: tuple[float, ...] = ()
+    ) -> "DynamicSystem":
+        """Return the system with the stiffness and mass of each member multiplied.
+
+        Parameters
+        ----------
+        stiffness, mass
+            (n_members,) factors; empty for 1.
+        """
+        table = self._member_table
+        k, m = (np.array(factors or (1.0,)) for factors in (stiffness, mass))
+        key = ("member factors", stiffness, mass)
+        return self._rebuilt(key, lambda: table.scaled(stiffness=k, mass=m), self.modal)
+
     def converted(self, share: float, omega: float) -> "DynamicSystem":
         """Return the system with a fraction, 0 to 1, of its damping converted to the other damping law.
 

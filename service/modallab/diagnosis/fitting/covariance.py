@@ -1,7 +1,7 @@
 """Standard errors of fitted parameters, from the derivatives of the residuals."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -25,8 +25,13 @@ class ParameterErrors:
 
     effects: tuple[dict[str, float], ...]
     """By name of the parameter, in its unit, for each effect."""
-    nuisances: FloatArray
-    """(n,) standard deviations of the prior."""
+    nuisance_covariance: FloatArray
+    """(n, n) of the positions of the nuisance parameters, in standard deviations of the prior.
+
+    Zero between a parameter of held-out channels and any other.
+    """
+    prediction_variance: Mapping[str, float] = field(default_factory=dict)
+    """By part: mean variance of held-out residuals that the errors of fitted parameters add to noise."""
 
 
 class _Correlation(Protocol):
@@ -65,9 +70,9 @@ def standard_errors(
     parameters, nuisances, observed = ParameterVector(effects), predictor.nuisances, predictor.observed
     n = len(parameters)
     if n + len(nuisances) == 0:
-        return ParameterErrors(tuple({} for _ in effects), np.zeros(0))
+        return ParameterErrors(tuple({} for _ in effects), np.zeros((0, 0)), {})
     free, held_out = nuisances.split(observed.outputs, observed.held_out)
-    slopes, n_fitted = _derivatives(predictor, fixed, parameters, with_held_out=len(held_out) > 0)
+    slopes, n_fitted = _derivatives(predictor, fixed, parameters)
     values = zip(parameters.parameters, parameters.values(), strict=True)
     distances = [parameter.distance_to_bound(value) for parameter, value in values]
     room = np.array([*distances, *(NUISANCE.max_deviation - np.abs(predictor.position))])
@@ -80,15 +85,20 @@ def standard_errors(
     for parameter, deviation in zip(parameters.parameters, deviations, strict=False):
         width = parameter.spec.upper - parameter.spec.lower
         errors[parameter.effect][parameter.name] = float(min(deviation, width))
-    nuisance_errors = np.zeros(len(nuisances))
-    nuisance_errors[free] = deviations[n:]
+    nuisance_covariance = np.zeros((len(nuisances), len(nuisances)))
+    nuisance_covariance[np.ix_(free, free)] = covariance[n:, n:]
     if len(held_out):
         held_out_slopes, fitted_slopes = slopes[n_fitted:, n + held_out], slopes[n_fitted:, fitted]
         held_out_covariance = _held_out_covariance(
             held_out_slopes, fitted_slopes, covariance, room[n + held_out], weighting
         )
-        nuisance_errors[held_out] = np.sqrt(np.diag(held_out_covariance))
-    return ParameterErrors(tuple(errors), nuisance_errors)
+        nuisance_covariance[np.ix_(held_out, held_out)] = held_out_covariance
+    propagated = slopes[n_fitted:, fitted]
+    variances = ((propagated @ covariance) * propagated).sum(axis=1)
+    held_out_lines = (
+        fitted_residual.means_by_part(variances, observed.held_out_mask) if len(variances) else {}
+    )
+    return ParameterErrors(tuple(errors), nuisance_covariance, held_out_lines)
 
 
 def _held_out_covariance(
@@ -110,15 +120,15 @@ def _held_out_covariance(
 
 
 def _derivatives(
-    predictor: Predictor, fixed: Sequence[Effect], parameters: ParameterVector, *, with_held_out: bool
+    predictor: Predictor, fixed: Sequence[Effect], parameters: ParameterVector
 ) -> tuple[FloatArray, int]:
     """Return derivatives (n_data, n) of residuals by parameters, then by all nuisance parameters.
 
-    Those of fitted lines and channels come first; their number is returned too.
+    Those of fitted lines and channels come first, then held-out ones. The number of the first comes second.
     """
     observed, effects = predictor.observed, [*fixed, *parameters.effects]
     predict = predictor.linearisation_at(effects)
-    masks = [observed.fitted] + [observed.held_out_mask] * with_held_out
+    masks = [observed.fitted, observed.held_out_mask]
 
     def vector(predicted: Predicted) -> FloatArray:
         whitened = residual(observed, predicted)

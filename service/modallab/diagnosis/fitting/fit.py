@@ -3,7 +3,7 @@
 Every fit also estimates the nuisance parameters under their prior; see `nuisances`.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 
@@ -59,7 +59,17 @@ class Fit:
     @property
     def nuisance_errors(self) -> FloatArray:
         """(n,) standard errors of `nuisance_position`, standard deviations."""
-        return self._errors.nuisances
+        return np.sqrt(np.diag(self.nuisance_covariance))
+
+    @property
+    def nuisance_covariance(self) -> FloatArray:
+        """(n, n) covariance of `nuisance_position`, in standard deviations of the prior."""
+        return self._errors.nuisance_covariance
+
+    @property
+    def prediction_variance(self) -> Mapping[str, float]:
+        """By part: mean variance that parameter errors add to held-out residuals, over their random error."""
+        return self._errors.prediction_variance
 
     @property
     def bic(self) -> float:

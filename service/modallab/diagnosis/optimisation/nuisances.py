@@ -7,15 +7,25 @@ import numpy as np
 
 from modallab.core.arrays import BoolArray, FloatArray, IntArray
 from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
 from modallab.core.place import Channels, Place
+from modallab.diagnosis.optimisation.random_field import RandomField
 from modallab.diagnosis.optimisation.settings import NUISANCE
-from modallab.diagnosis.optimisation.tolerance_effects import AccelerometerTolerance, LossTolerance
+from modallab.diagnosis.optimisation.tolerance_effects import (
+    AccelerometerTolerance,
+    LossTolerance,
+    MemberTolerance,
+)
 from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.setup import RigSetup
+
+NO_FIELD = RandomField()
+FIELDS = ("modulus_variation", "density_variation")
+"""Tolerances that are random fields: of the stiffness and the mass of members."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +44,8 @@ class Nuisance:
     """Its channel; None for all."""
     mode: int | None = None
     """Elastic mode of the model, from 1; None for a parameter of no single mode."""
+    shape: int | None = None
+    """Shape of a random field, from 0; None for a parameter of no field."""
     logarithmic: bool = False
     """Whether the standard deviation is of the value's logarithm."""
 
@@ -81,6 +93,8 @@ class Nuisances:
     """kg, declared mass of an accelerometer."""
     loss_factors: tuple[float, ...] = ()
     """Loss factors of the model's elastic modes in the band."""
+    field: RandomField = NO_FIELD
+    """Smooth deviations of the members' modulus and density."""
 
     def __len__(self) -> int:
         return len(self.parameters)
@@ -139,13 +153,31 @@ class Nuisances:
         loss = np.zeros(len(self.loss_factors))
         for nuisance, deviation in zip(self.parameters, position, strict=True):
             value = nuisance.value(float(deviation))
-            if value == nuisance.declared:
+            if value == nuisance.declared or nuisance.shape is not None:
                 continue
             if nuisance.mode is not None:
                 loss[nuisance.mode - 1] = self.loss_factors[nuisance.mode - 1] * (value - 1)
             else:
                 effects.append(self._effect(nuisance, value))
+        effects += self._member_deviations(position)
         return (*effects, LossTolerance(more=tuple(loss.tolist()))) if loss.any() else tuple(effects)
+
+    def indices_of(self, name: str) -> IntArray:
+        """Return the indices of the parameters of a name."""
+        return np.flatnonzero(np.array([nuisance.name == name for nuisance in self.parameters], bool))
+
+    def _member_deviations(self, position: FloatArray) -> list[Effect]:
+        """Return the effect of the random fields; none where they are zero."""
+        stiffness, mass = (self._member_factors(name, position) for name in FIELDS)
+        return [MemberTolerance(stiffness=stiffness, mass=mass)] if stiffness or mass else []
+
+    def _member_factors(self, name: str, position: FloatArray) -> tuple[float, ...]:
+        """Return the factor of each member by a random field; none where it is zero."""
+        indices = self.indices_of(name)
+        if not position[indices].any():
+            return ()
+        deviation = self.parameters[indices[0]].standard_deviation
+        return tuple(np.exp(self.field.logarithms(deviation, position[indices])).tolist())
 
     def _effect(self, nuisance: Nuisance, value: float) -> Effect:
         if nuisance.name == "accelerometer_mass":
@@ -199,7 +231,20 @@ def nuisance_parameters(
             for i, eta in enumerate(loss_factors, 1)
             if eta > 0
         ]
-    return Nuisances(tuple(nuisances), setup.accelerometers.mass, loss_factors)
+    field = NO_FIELD
+    if deviations := {name: value for name in FIELDS if (value := getattr(tolerances, name))}:
+        field = _field(system, next(iter(deviations)))
+        for name, deviation in deviations.items():
+            nuisances += [Nuisance(name, deviation, 0.0, "1", shape=i) for i in range(len(field))]
+    return Nuisances(tuple(nuisances), setup.accelerometers.mass, loss_factors, field)
+
+
+def _field(system: DynamicSystem, name: str) -> RandomField:
+    if system.members is None:
+        raise InvalidInputError(
+            "the model has no members that could deviate", field=f"tolerances.{name}", allowed=[0.0]
+        )
+    return RandomField.of(system.members)
 
 
 def _loss_factors(system: DynamicSystem, frequency_max: float) -> tuple[float, ...]:

@@ -111,6 +111,23 @@ class NuisanceSettings(Settings):
 
 
 @dataclass(frozen=True)
+class RandomFieldSettings(Settings):
+    """Smooth deviations of the members' modulus and density."""
+
+    correlation_length: float = setting(
+        0.1,
+        doc="correlation length over the largest extent of the structure",
+        derived="half a wavelength of the fifth bending mode of a free beam: shorter deviations average out",
+    )
+    variance_share: float = setting(
+        0.99, doc="variance of the retained shapes over that of the field", tuned=TESTS
+    )
+    max_shapes: int = setting(
+        40, unit="shapes", doc="shapes of a field at most: each costs a prediction a step", tuned=TESTS
+    )
+
+
+@dataclass(frozen=True)
 class ToleranceSettings(Settings):
     """Largest tolerances that a request may state."""
 
@@ -127,4 +144,5 @@ class ToleranceSettings(Settings):
 DIFFERENCE = DifferenceSettings()
 LEAST_SQUARES = LeastSquaresSettings()
 NUISANCE = NuisanceSettings()
+RANDOM_FIELD = RandomFieldSettings()
 TOLERANCE = ToleranceSettings()

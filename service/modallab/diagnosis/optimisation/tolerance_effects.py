@@ -1,4 +1,4 @@
-"""Effects of tolerances that no catalogue of suspects has: accelerometer mass and modal loss factors."""
+"""Effects of tolerances that no catalogue has: of accelerometer mass, members, modal loss factors."""
 
 from dataclasses import dataclass, replace
 from typing import ClassVar
@@ -47,6 +47,26 @@ def _sum_of_masses(first: Attachment, second: Attachment) -> Attachment:
     assert first.mass is not None
     assert second.mass is not None
     return replace(first, mass=first.mass + second.mass)
+
+
+@dataclass(frozen=True)
+class MemberTolerance(Effect):
+    """Deviations of the members' stiffness and mass from the modelled ones, member by member."""
+
+    kind: ClassVar[str] = "member_tolerance"
+    summary: ClassVar[str] = "members a little stiffer or heavier than modelled"
+    stage: ClassVar[Stage] = Stage.STRUCTURE
+    tolerance: ClassVar[str | None] = "modulus_variation"
+    structural: ClassVar[bool] = True
+    same_in_all_runs: ClassVar[bool] = True
+    stiffness: tuple[float, ...] = ()
+    """Factor of each member's stiffness; empty for 1."""
+    mass: tuple[float, ...] = ()
+    """Factor of each member's mass; empty for 1."""
+
+    def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
+        """Return the system with the factors."""
+        return system.with_member_factors(stiffness=self.stiffness, mass=self.mass)
 
 
 @dataclass(frozen=True)

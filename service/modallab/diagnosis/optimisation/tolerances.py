@@ -32,6 +32,10 @@ class Tolerances(Options):
         doc="delay of each response channel against the force",
     )
     modal_loss_factor: float = _relative("the loss factor of each elastic mode of the model in the band")
+    modulus_variation: float = _relative(
+        "the Young's modulus of each member, a smooth random field along the structure"
+    )
+    density_variation: float = _relative("the density of each member, a smooth random field as well")
 
     @classmethod
     def of(cls, values: Mapping[str, float]) -> "Tolerances":

@@ -27,7 +27,7 @@ from modallab.diagnosis.reporting.text import (
     place_description,
     probability_text,
     shift_text,
-    tolerated_row,
+    tolerated_rows,
     verdict_text,
 )
 from modallab.diagnosis.result import Diagnosis, Rival, Verdict
@@ -130,7 +130,7 @@ def _missing_effects(diagnosis: Diagnosis) -> str:
 def _tolerances(diagnosis: Diagnosis) -> str:
     if not diagnosis.tolerated:
         return ""
-    rows = [tolerated_row(nuisance) for nuisance in diagnosis.tolerated]
+    rows = tolerated_rows(diagnosis.tolerated)
     fitted = table(("parameter", "fitted", "tolerance"), rows)
     return f"<h2>Parameters within tolerances</h2>{paragraph(TOLERANCES)}{fitted}"
 

@@ -1,7 +1,7 @@
 """Statements of a diagnosis in plain English, shared by report and terminal."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members, Place
@@ -97,7 +97,23 @@ def number_text(parameter: FittedParameter) -> str:
     return f"({text})·10{str(scale).translate(SUPERSCRIPTS)}{unit}" if scale else f"{text}{unit}"
 
 
-def tolerated_row(nuisance: ToleratedParameter) -> tuple[str, str, str]:
+def tolerated_rows(parameters: Sequence[ToleratedParameter]) -> list[tuple[str, str, str]]:
+    """Return name, fitted value and tolerance of nuisance parameters.
+
+    Of the members that share a tolerance only the one that deviates most.
+    """
+    by_member: dict[str, list[ToleratedParameter]] = {}
+    for parameter in parameters:
+        if isinstance(parameter.at, Members):
+            by_member.setdefault(parameter.name, []).append(parameter)
+    rows = [_tolerated_row(p) for p in parameters if not isinstance(p.at, Members)]
+    for of_members in by_member.values():
+        name, fitted, tolerance = _tolerated_row(max(of_members, key=lambda p: abs(p.value - 1)))
+        rows.append((f"{name} (largest of {len(of_members)})", fitted, tolerance))
+    return rows
+
+
+def _tolerated_row(nuisance: ToleratedParameter) -> tuple[str, str, str]:
     """Return name, fitted value and tolerance of a nuisance parameter."""
     name = f"loss factor of mode {nuisance.mode}" if nuisance.mode else nuisance.name.replace("_", " ")
     fitted = number_text(FittedParameter(nuisance.value, nuisance.standard_error, nuisance.unit))

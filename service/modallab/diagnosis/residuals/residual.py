@@ -75,6 +75,15 @@ class Residual:
             parts.append(response[mask])
         return np.concatenate(parts)
 
+    def means_by_part(self, squares: FloatArray, mask: BoolArray) -> dict[str, float]:
+        """Return the mean over each part of squares (n_data,) of the entries of `vector`."""
+        counts = {
+            name: int(self.mask_of(part, mask).sum()) * (2 if np.iscomplexobj(part) else 1)
+            for name, part in self.parts.items()
+        }
+        pieces = np.split(squares, np.cumsum(list(counts.values()))[:-1])
+        return {name: float(piece.mean()) for name, piece in zip(counts, pieces, strict=True)}
+
     @cached_property
     def rescaled(self) -> dict[str, ComplexArray | FloatArray]:
         """The parts over their true standard deviation, that of leaking, periodic or burst signals included.

@@ -11,15 +11,17 @@ from modallab.core.place import Channels
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.observed import Observed
-from modallab.diagnosis.residuals.residual import Residual, correlation_lengths, gap_error, gap_errors
+from modallab.diagnosis.residuals.residual import correlation_lengths, gap_error, gap_errors
 from modallab.diagnosis.searching.settings import ACCEPTANCE
 from modallab.rig.effect import Effect, Stage
 
 
 def is_noise_only(
-    predictor: Predictor, residual: Residual, *, max_lag: int | None = ACCEPTANCE.correlated_lines
+    predictor: Predictor, candidate: Fit, *, max_lag: int | None = ACCEPTANCE.correlated_lines
 ) -> bool:
     """Return whether every part of the gap is 1 within its random error, fitted and held out alike.
+
+    Errors of nuisance parameters enlarge the gap of held-out data by a known mean.
 
     Parameters
     ----------
@@ -28,16 +30,22 @@ def is_noise_only(
         unknown noise level: a search takes lines more than a few apart for independent and continues where
         a gap is not small. None asks for a large gap: a verdict has to be sure.
     """
-    observed = predictor.observed
-    for mask in (observed.fitted, observed.held_out_mask):
-        errors = gap_errors(observed, residual, mask, max_lag=max_lag)
+    observed, found = predictor.observed, candidate.residual
+
+    def excess(mask: BoolArray, allowed: Mapping[str, float]) -> bool:
+        errors = gap_errors(observed, found, mask, max_lag=max_lag)
         limits = {
             part: largest_gap_by_chance(float(np.hypot(error, observed.scale_error)))
             for part, error in errors.items()
         }
-        if any(gap > limits[part] for part, gap in residual.gaps(mask).items()):
-            return False
-    return True
+        gaps = found.gaps(mask)
+        return any(gap > limits[part] * (1 + allowed.get(part, 0.0)) for part, gap in gaps.items())
+
+    if excess(observed.fitted, {}):
+        return False
+    if not excess(observed.held_out_mask, {}):
+        return True
+    return len(predictor.nuisances) > 0 and not excess(observed.held_out_mask, candidate.prediction_variance)
 
 
 def largest_gap_by_chance(error: float) -> float:

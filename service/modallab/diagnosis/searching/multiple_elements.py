@@ -33,7 +33,7 @@ def multiple_elements(
     gain = best.bic - candidate.bic
     significant = gain > ACCEPTANCE.very_strong_bic * variance_inflation(predictor, candidate)
     nonzero = all(map(is_nonzero, candidate.effects, candidate.errors))
-    return candidate if significant and nonzero and is_noise_only(predictor, candidate.residual) else None
+    return candidate if significant and nonzero and is_noise_only(predictor, candidate) else None
 
 
 def _change(effect: Effect) -> float:

@@ -28,19 +28,19 @@ def search(
     start
         The fit without any effect.
     """
-    if is_noise_only(predictor, start.residual):
+    if is_noise_only(predictor, start):
         return SearchPath(start)
     progress(0.05, f"gap {start.residual.gap(predictor.observed.fitted):.3g}")
     first = fit_candidates(predictor, start, suspects, progress=part(progress, 0.05, 0.25))
     elements = None
-    if first and not is_noise_only(predictor, first[0].residual):
+    if first and not is_noise_only(predictor, first[0]):
         stage = part(progress, 0.25, 0.3)
         elements = multiple_elements(predictor, first[0], suspects, max_effects=max_effects, progress=stage)
     if elements and len(elements.effects) <= SEARCH.pair:
         stage = part(progress, 0.3, 0.95)
         return refine_path(predictor, verify(predictor, start, elements, suspects, stage))
     paths = _branches(predictor, start, first, suspects, max_effects, progress)
-    if paths and (max_effects == 1 or is_noise_only(predictor, paths[-1].fit.residual)):
+    if paths and (max_effects == 1 or is_noise_only(predictor, paths[-1].fit)):
         return refine_path(predictor, paths[-1])
     if elements:  # no pair explains the measurement, so that more elements are justified
         stage = part(progress, 0.75, 0.95)
@@ -74,7 +74,7 @@ def _branches(
         single = SearchPath(start, (AcceptedEffect(name, start, candidate, round_fits),))
         stage = part(progress, 0.3 + 0.15 * i, 0.45 + 0.15 * i)
         paths.append(_extended(predictor, single, suspects, min(SEARCH.pair, max_effects), stage))
-        if max_effects == 1 or is_noise_only(predictor, paths[-1].fit.residual):
+        if max_effects == 1 or is_noise_only(predictor, paths[-1].fit):
             break
         if predictor.budget.exhausted:
             break
@@ -108,7 +108,7 @@ def _extended(
     by little, one that is not in the catalogue.
     """
     while len(path.steps) < max_effects:
-        if path.exhausted or is_noise_only(predictor, path.fit.residual) or predictor.budget.exhausted:
+        if path.exhausted or is_noise_only(predictor, path.fit) or predictor.budget.exhausted:
             break
         if len(path.steps) > 1 and not _closes_much(predictor, path.steps[-1]):
             break

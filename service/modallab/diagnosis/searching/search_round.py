@@ -116,7 +116,7 @@ class _Round:
     def _explains(self, candidate: Fit) -> bool:
         # Gaps cost more than a fit where power leaks, and only those of fits near the data matter.
         near = candidate.chi_square < FIT.near_noise * candidate.n_data
-        return near and is_noise_only(self._predictor, candidate.residual)
+        return near and is_noise_only(self._predictor, candidate)
 
 
 def _is_imitated(force: Effect, explanation: Effect, system: DynamicSystem) -> bool:

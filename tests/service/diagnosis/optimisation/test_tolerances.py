@@ -60,7 +60,7 @@ def test_a_mass_is_found_beside_all_that_is_a_little_off(kind: str, roving: bool
     setup = rig(kind=kind, window="hann" if kind == "random" else "rectangular", roving=roving)
     predictor, numbers = allowing(setup, true := off(1), (MASS,))
     alone = fit(predictor, ())
-    assert not is_noise_only(predictor, alone.residual)  # no tolerance explains 100 g
+    assert not is_noise_only(predictor, alone)  # no tolerance explains 100 g
     near, _ = coarse_fit(
         predictor.with_nuisances_at(alone.starting_position).coarse_prediction(()),
         (),
@@ -68,7 +68,7 @@ def test_a_mass_is_found_beside_all_that_is_a_little_off(kind: str, roving: bool
         0.3,
     )
     found = fit(predictor.with_nuisances_at(alone.starting_position), [near])
-    assert is_noise_only(predictor, found.residual)
+    assert is_noise_only(predictor, found)
     error = found.errors[0]["mass"]
     assert abs(found.effects[0].parameters["mass"] - 0.1) < 4 * error  # four standard errors
     apart = (found.nuisance_position - true[: len(numbers)]) / found.nuisance_errors
@@ -104,14 +104,14 @@ def test_an_effect_that_changes_what_a_tolerance_does_is_fitted_with_it_from_any
     least = min(one.chi_square for one in found)
     # A fit ends within a hundredth of a standard error, 1e-4 of a square; wrong slopes end it early.
     assert max(one.chi_square for one in found) < least + 0.1
-    assert all(is_noise_only(predictor, one.residual) for one in found)
+    assert all(is_noise_only(predictor, one) for one in found)
 
 
 def test_limits_hold_against_any_amount_of_data() -> None:
     predictor, numbers = allowing(rig(), np.zeros(40), (StiffnessError(factor=1.05),))
     found = fit(predictor, ())
     assert np.abs(found.nuisance_position).max() == NUISANCE.max_deviation
-    assert not is_noise_only(predictor, found.residual)
+    assert not is_noise_only(predictor, found)
     assert numbers.parameters[0].name == "modulus"
     assert found.nuisance_position[0] == NUISANCE.max_deviation
 
@@ -119,7 +119,7 @@ def test_limits_hold_against_any_amount_of_data() -> None:
 def test_an_effect_like_what_is_tolerated_is_the_whole_departure_and_carries_the_tolerance() -> None:
     predictor, _ = allowing(rig(), np.zeros(40), (StiffnessError(factor=1.05),))
     found = fit(predictor, [StiffnessError(factor=1.04)])
-    assert is_noise_only(predictor, found.residual)
+    assert is_noise_only(predictor, found)
     error = found.errors[0]["factor"]
     # What the log book leaves open: the modulus, and some of the density that looks like it; noise is 1e-5.
     assert 0.003 * 1.05 < error < np.hypot(0.003, 0.002) * 1.05
@@ -135,9 +135,9 @@ def test_a_test_within_tolerances_misses_nothing(roving: bool, seed: int) -> Non
     rng = np.random.default_rng(seed)
     measurement = measure(model(), setup, true, route=Route.SAMPLED, rng=rng)
     predictor, _ = predicting(measurement)
-    assert not is_noise_only(predictor, fit(predictor, ()).residual)  # without tolerances much is
+    assert not is_noise_only(predictor, fit(predictor, ()))  # without tolerances much is
     predictor = predictor.with_nuisances(nuisance_parameters(ALL, assemble(model()), setup))
-    assert is_noise_only(predictor, fit(predictor, ()).residual)
+    assert is_noise_only(predictor, fit(predictor, ()))
 
 
 def test_what_belongs_to_a_held_out_channel_is_read_off_that_channel() -> None:
@@ -147,7 +147,7 @@ def test_what_belongs_to_a_held_out_channel_is_read_off_that_channel() -> None:
     held = np.array([False, False, True, False, False, True])
     predictor = replace(predictor, observed=replace(predictor.observed, held_out=held))
     found = fit(predictor, ())
-    assert is_noise_only(predictor, found.residual)  # held out ones included
+    assert is_noise_only(predictor, found)  # held out ones included
     own = [i for i, one in enumerate(numbers.parameters) if str(one.at) == "channels 4:+Y"]
     assert [numbers.parameters[i].name for i in own] == ["sensitivity", "delay"]
     apart = (found.nuisance_position - true[: len(numbers)])[own] / found.nuisance_errors[own]

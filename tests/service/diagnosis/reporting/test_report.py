@@ -184,3 +184,14 @@ def test_what_may_differ_a_little_stands_in_a_table_where_it_was_tolerated() -> 
     assert "loss factor of mode 3 1.1834 ± 0.0021 ± 20 %" in words
     assert "delay, channel 4:+Y (-1.200 ± 0.020)·10⁻⁶ s ± 1e-06 s" in words
     assert "Parameters within tolerances" not in text_of(report(diagnosis()))
+
+
+def test_of_members_that_share_a_tolerance_the_one_that_deviates_most_is_in_the_table() -> None:
+    values = {1: 1.002, 2: 0.9917, 3: 1.004}
+    tolerated = tuple(
+        ToleratedParameter("modulus_variation", value, 0.0012, 0.005, "1", at=Members((number,)))
+        for number, value in values.items()
+    )
+    words = text_of(report(replace(diagnosis(), tolerated=tolerated)))
+    assert "modulus variation, member 2 (largest of 3) 0.9917 ± 0.0012 ± 0.5 %" in words
+    assert "member 1 " not in words.split("Parameters within tolerances")[1]

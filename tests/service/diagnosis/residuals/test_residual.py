@@ -8,6 +8,7 @@ from scipy.optimize import minimize_scalar
 
 from modallab.core.dof import Dof
 from modallab.core.frf import FrfKind, FrfSet
+from modallab.diagnosis.fitting.fit import fit
 from modallab.diagnosis.residuals.observed import Observed, observe
 from modallab.diagnosis.residuals.residual import Residual, gap_errors, normalised_difference
 from modallab.diagnosis.searching.acceptance import is_noise_only
@@ -29,11 +30,12 @@ def test_with_nothing_missing_the_gap_of_leaking_records_is_one_within_its_scatt
     for seed in range(SEEDS):
         measurement = measure(model(), setup, route=Route.SAMPLED, rng=np.random.default_rng(seed))
         predictor, observed = predicting(measurement)
-        left = predictor.residual(())
+        nothing = fit(predictor, ())
+        left = nothing.residual
         gaps.append(left.gaps(observed.usable)["response"])
         stated.append(gap_errors(observed, left, observed.usable)["response"])
         plain.append(replace(left, excess_variance=None).gaps(observed.usable)["response"])
-        assert is_noise_only(predictor, left)
+        assert is_noise_only(predictor, nothing)
     allowed = 4 * np.mean(stated) / np.sqrt(SEEDS)  # four standard errors of the mean
     assert abs(np.mean(gaps) - 1) < allowed
     # a standard deviation of 24 is known to 1/sqrt(48) = 14 %: three of these
@@ -70,10 +72,11 @@ def test_forces_that_come_back_are_judged_by_their_noise_alone(setup: RigSetup, 
     for seed in range(6):
         measurement = measure(model(), setup, route=Route.SAMPLED, rng=np.random.default_rng(seed))
         predictor, observed = predicting(measurement)
-        left = predictor.residual(())
+        nothing = fit(predictor, ())
+        left = nothing.residual
         for part, gap in left.gaps(observed.usable).items():
             gaps.setdefault(part, []).append(gap)
-        assert is_noise_only(predictor, left)
+        assert is_noise_only(predictor, nothing)
         plain = replace(left, variance_ratios=None)
         weighed.append(plain.gaps(observed.usable)["force"])
         anew = replace(plain, force=left.force * np.sqrt(left.force_variance * n))

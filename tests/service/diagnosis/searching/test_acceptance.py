@@ -49,9 +49,11 @@ def test_random_errors_that_are_estimated_leave_as_much_of_a_gap() -> None:
     for error in (None, 10.0):
         predictor, observed = predicting(replace(test, averages_error=error))
         assert observed.scale_error == pytest.approx(0.0 if error is None else 10 / 98)
-        frf = fit(predictor, ()).residual.frf
+        found = fit(predictor, ())
+        frf = found.residual.frf
         frf = frf * np.sqrt(1.15 / (np.abs(frf[observed.fitted]) ** 2).mean())
-        gaps.append(is_noise_only(predictor, Residual(frf, None, None, averages=100.0)))
+        frfs_alone = Residual(frf, None, None, averages=100.0)
+        gaps.append(is_noise_only(predictor, replace(found, residual=frfs_alone)))
     assert gaps == [False, True]
 
 

@@ -1,0 +1,119 @@
+"""Tests of smooth deviations of members: their expansion, and models that are a little wrong."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
+from modallab.core.place import Members
+from modallab.diagnosis.diagnose import diagnose
+from modallab.diagnosis.optimisation.nuisances import nuisance_parameters
+from modallab.diagnosis.optimisation.random_field import RandomField
+from modallab.diagnosis.optimisation.settings import RANDOM_FIELD
+from modallab.diagnosis.optimisation.tolerances import Tolerances
+from modallab.diagnosis.result import Verdict
+from modallab.effects.extra_mass import ExtraMass
+from modallab.fe.assembly import assemble
+from modallab.fe.beam import beam
+from modallab.fe.structure import Material, Section, Structure
+from modallab.rig.effect import Effect
+from modallab.rig.measure import Route, measure
+from modallab.rig.measurement import Measurement
+from tests.diagnosing import model, rig
+
+# half a period of a sine and a straight line: no shapes of the expansion, of its size
+STIFFNESS = 1 + 0.006 * np.sin(np.pi * (np.arange(8) + 0.5) / 8 - 0.4)
+MASS = 1 + 0.005 * np.linspace(-1, 1, 8)
+VARIATION = Tolerances(modulus_variation=0.005, density_variation=0.005)
+KINDS = ["extra_mass", "ground_spring", "stiffness_error", "density_error"]
+
+
+def a_little_wrong() -> Structure:
+    members = (
+        replace(
+            member,
+            axial_factor=member.axial_factor * k,
+            bending_factor=member.bending_factor * k,
+            mass_factor=member.mass_factor * m,
+        )
+        for member, k, m in zip(model().all_members, STIFFNESS, MASS, strict=True)
+    )
+    return model().of_members(members)
+
+
+def measured(*hidden: Effect) -> Measurement:
+    return measure(a_little_wrong(), rig(), hidden, route=Route.DRAWN, rng=np.random.default_rng(2))
+
+
+def fine_beam(n_elements: int) -> Structure:
+    return beam(
+        length=1.0, n_elements=n_elements, section=Section(1e-4, 1e-9), material=Material(2e11, 7800.0)
+    )
+
+
+def test_the_expansion_reproduces_its_covariance() -> None:
+    table = assemble(fine_beam(40)).members
+    assert table is not None
+    field = RandomField.of(table)
+    distance = np.subtract.outer(table.centres[:, 0], table.centres[:, 0])
+    length = RANDOM_FIELD.correlation_length * np.ptp(table.centres[:, 0])
+    covariance = np.exp(-(distance**2) / (2 * length**2))
+    # The omitted eigenvalues sum to at most 1 % of the trace, and none of them is above that sum.
+    omitted = np.linalg.eigvalsh(covariance - field.shapes.T @ field.shapes)
+    assert omitted.sum() < (1 - RANDOM_FIELD.variance_share) * 40
+    assert omitted.min() > -1e-9  # rounding of 40 eigenvalues of order 10
+    assert len(field) < 20
+
+
+def test_the_number_of_shapes_follows_from_the_structure_and_not_from_its_mesh() -> None:
+    coarse, fine = (assemble(fine_beam(n)).members for n in (40, 160))
+    assert coarse is not None
+    assert fine is not None
+    assert (
+        abs(len(RandomField.of(coarse)) - len(RandomField.of(fine))) <= 1
+    )  # the ends are half an element off
+
+
+def test_factors_of_members_act_as_members_of_other_factors() -> None:
+    system = assemble(model()).with_member_factors(
+        stiffness=tuple(STIFFNESS.tolist()), mass=tuple(MASS.tolist())
+    )
+    frequencies = system.modes(400.0).elastic().frequencies[:5]
+    expected = assemble(a_little_wrong()).modes(400.0).elastic().frequencies[:5]
+    np.testing.assert_allclose(
+        frequencies, expected, rtol=1e-9
+    )  # two eigensolutions of nearly equal matrices
+
+
+def test_a_model_that_is_a_little_wrong_everywhere_lacks_nothing_within_its_tolerances() -> None:
+    test = measured()
+    assert diagnose(model(), test, suspects=["extra_mass"]).verdict is Verdict.UNEXPLAINED
+    diagnosis = diagnose(model(), test, suspects=KINDS, tolerances=VARIATION)
+    assert diagnosis.verdict is Verdict.NOTHING_MISSING
+    for name, true in (("modulus_variation", STIFFNESS), ("density_variation", MASS)):
+        rows = [row for row in diagnosis.tolerated if row.name == name]
+        assert [row.at for row in rows] == [Members((number,)) for number in range(1, 9)]
+        deviations = np.array([row.value for row in rows]) - true
+        # standard errors hold the prior: most members are told only by what their neighbours are
+        errors = np.array([row.standard_error for row in rows])
+        assert (np.abs(deviations) < 4 * errors).all()
+        assert errors.max() < 0.005  # a standard deviation of the prior: the data add to it
+
+
+def test_an_effect_is_named_in_a_model_that_is_a_little_wrong() -> None:
+    hidden = ExtraMass(at=Dof.parse("4:+Y"), mass=0.05)
+    diagnosis = diagnose(model(), measured(hidden), suspects=KINDS, tolerances=VARIATION)
+    assert diagnosis.verdict is Verdict.EXPLAINED
+    assert [(step.effect.kind, step.effect.at) for step in diagnosis.steps] == [("extra_mass", hidden.at)]
+    (mass,) = diagnosis.steps[0].effect.parameters.values()
+    assert mass.value == pytest.approx(0.05, abs=4 * mass.standard_error)
+    assert mass.standard_error > 1e-4  # 0.2 % of the mass: what the tolerances leave, not the lines alone
+
+
+def test_a_model_without_members_is_refused() -> None:
+    system = assemble(model()).folded()
+    with pytest.raises(InvalidInputError) as caught:
+        nuisance_parameters(VARIATION, replace(system, members=None), rig())
+    assert caught.value.context["field"] == "tolerances.modulus_variation"
