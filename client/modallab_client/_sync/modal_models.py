@@ -32,7 +32,7 @@ class ModalModels(Shelf):
         self,
         measurement_id: str,
         *,
-        method: str = "dobson",
+        method: str | None = None,
         bands: str | Sequence[Sequence[float]] = "auto",
         exclude: Sequence[Sequence[float]] = (),
         n_modes: int | None = None,
@@ -46,7 +46,8 @@ class ModalModels(Shelf):
         measurement_id
             The measurement.
         method
-            One of `lab.catalog.extraction_methods()`.
+            One of `lab.catalog.extraction_methods()`; left out: `poly_reference_lscf` with several
+            references, `dobson` with one, and `choices["method"]` of the result tells why.
         bands
             `auto`, or one (lower, upper) in Hz for each mode; of a global method each with one or more.
         exclude

@@ -92,11 +92,13 @@ class OptionsByMethod:
     """Annotation of a field `options` that holds those of the method named by the field `method`.
 
     The JSON schema is one of the methods' option models; a method that does not exist is left to whoever
-    reads the body. An option of null is an option left out, whatever the method.
+    reads the body. An option of null is an option left out, whatever the method. Options without a method
+    are those of the method `default`.
     """
 
-    def __init__(self, bodies: Mapping[str, type[Wire]]) -> None:
+    def __init__(self, bodies: Mapping[str, type[Wire]], default: str | None = None) -> None:
         self._bodies = bodies
+        self._default = default
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         models = tuple(dict.fromkeys(self._bodies.values()))
@@ -104,7 +106,8 @@ class OptionsByMethod:
         return core_schema.with_info_wrap_validator_function(self._validate, alternatives)
 
     def _validate(self, value: Any, handler: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
-        method = info.data.get("method")
+        method = info.data.get("method", "")
+        method = self._default if method is None else method
         if not isinstance(method, str) or method not in self._bodies:
             return Wire()
         body = self._bodies[method]

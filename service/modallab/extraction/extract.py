@@ -16,7 +16,8 @@ from modallab.extraction.averaging.damping_model import (
     with_contradiction_flags,
     with_damping_model,
 )
-from modallab.extraction.method_options import options_for
+from modallab.extraction.default_method import MethodChoice, default_method
+from modallab.extraction.method_options import options_for, options_type
 from modallab.extraction.multi_mode.global_method import GLOBAL_METHODS
 from modallab.extraction.multi_mode_extraction import extract_globally
 from modallab.extraction.options import Damping, ExtractionOptions
@@ -47,7 +48,7 @@ def extract(
     *,
     coherence: FloatArray | None,
     averages: float,
-    method: str = "dobson",
+    method: str | None = None,
     options: ExtractionOptions | None = None,
     bands: Sequence[tuple[float, float]] | None = None,
     n_modes: int | None = None,
@@ -70,7 +71,7 @@ def extract(
         Effective number of averages of the coherence.
     method
         Name in `EXTRACTION_METHODS` (single-mode methods, applied to every FRF) or in `GLOBAL_METHODS` (all
-        modes and FRFs together).
+        modes and FRFs together); None chooses one by the number of references, as `default_method`.
     options
         Options of the method, or those common to several methods; None chooses all from the data.
     bands
@@ -102,11 +103,18 @@ def extract(
     """
     if n_modes is not None and n_modes < 1:
         raise InvalidInputError("at least one mode", field="n_modes", value=n_modes, allowed=bounds(1))
-    requested = options_for(method, options)
+    if method is not None:
+        options_type(method)  # a name that does not exist is refused before any work
     lines = line_mask(frf.freq, exclude=exclude)
     if lines is not None:
         frf, coherence = frf.at(lines), None if coherence is None else coherence[lines]
     responses, bias = responses_read(frf, coherence, averages, leakage=leakage, estimator=estimator)
+    choice = (
+        default_method(len(responses.references), options)
+        if method is None
+        else MethodChoice(method, f"{method}: as requested")
+    )
+    method, requested = choice.method, options_for(choice.method, options)
     if method in GLOBAL_METHODS:
         read: Read = partial(
             extract_globally,
@@ -140,6 +148,7 @@ def extract(
     return replace(
         model,
         notes=(*model.notes, *warned),
+        choices={"method": choice.reason, **model.choices},
         options=asdict(requested),
         exclude=tuple((lower, upper) for lower, upper in exclude),
     )

@@ -46,7 +46,8 @@ class ExtractionInputs:
 class ExtractionRequest:
     """Extraction of modes by a method with its options."""
 
-    method: str
+    method: str | None
+    """Name of the method; None: by the number of references."""
     options: ExtractionOptions
     bands: tuple[tuple[float, float], ...] | None = None
     """Hz, lower and upper end, one mode each, of a global method one or more; None: from the FRFs."""

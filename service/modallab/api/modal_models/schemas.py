@@ -14,6 +14,7 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.line_options import MAX_BANDS, ExcludedLines
 from modallab.core.modal_model import ModalModel, Mode
+from modallab.extraction.default_method import FEW_REFERENCES, SINGLE_REFERENCE
 from modallab.extraction.method_options import OPTIONS, options_type
 from modallab.fe.synthetic_modes import Distribution, ModeNoise
 from modallab.jobs.extracting import ExtractionInputs, ExtractionRequest
@@ -66,7 +67,10 @@ class SyntheticIn(Wire):
 
 EXTRACTION_BODIES = {cls: body_of(cls) for cls in dict.fromkeys(OPTIONS.values())}
 ExtractionOptionsBody = Annotated[
-    Wire, OptionsByMethod({method: EXTRACTION_BODIES[cls] for method, cls in OPTIONS.items()})
+    Wire,
+    OptionsByMethod(
+        {method: EXTRACTION_BODIES[cls] for method, cls in OPTIONS.items()}, default=SINGLE_REFERENCE
+    ),
 ]
 
 
@@ -80,11 +84,16 @@ class ModalModelStart(body_of(ExcludedLines)):  # type: ignore[misc]
 
     measurement_id: Id
     """measurement whose FRFs are read"""
-    method: Annotated[Text, OneOf(lambda: OPTIONS)] = Field(
-        default="dobson", description="extraction method, as `/catalog/extraction-methods` lists them"
+    method: Annotated[Text, OneOf(lambda: OPTIONS)] | None = Field(
+        default=None,
+        description="extraction method, as `/catalog/extraction-methods` lists them; left out:"
+        f" `{FEW_REFERENCES}` with several references, `{SINGLE_REFERENCE}` with one, as"
+        " `choices` of the modal model tell",
     )
     options: ExtractionOptionsBody = Field(
-        default_factory=dict, validate_default=True, description="options of the method"
+        default_factory=dict,
+        validate_default=True,
+        description=f"options of the method; without a method, of `{SINGLE_REFERENCE}`",
     )
     bands: (
         Literal["auto"] | Annotated[list[tuple[Number, Number]], Field(min_length=1, max_length=MAX_BANDS)]
@@ -106,7 +115,7 @@ class ModalModelStart(body_of(ExcludedLines)):  # type: ignore[misc]
         """
         request = ExtractionRequest(
             method=self.method,
-            options=options_from(options_type(self.method), self.options),
+            options=options_from(options_type(self.method or SINGLE_REFERENCE), self.options),
             bands=None if self.bands == "auto" else tuple(self.bands),
             n_modes=self.n_modes,
             exclude=options_from(ExcludedLines, self).exclude,
