@@ -128,6 +128,7 @@ def test_the_example_is_the_same_with_await(here: ModalLab) -> None:
             assert corrected.pairs == tuple((mode, mode) for mode in range(1, 9))
             assert [entry.id for entry in await lab.updates.list()] == [update.id]
             assert "dobson" in [entry.kind for entry in await lab.catalog.extraction_methods()]
+            assert len((await lab.modal_models.select(modes.id, merge=[[1, 2]])).modes) == 7
 
     asyncio.run(talk())
 
@@ -232,5 +233,11 @@ def test_fits_charts_and_frfs_of_modes_come_back_to_be_drawn(here: ModalLab) -> 
     assert here.measurements.indicators(test.id).mif.shape == (1, 400)
     with pytest.raises(errors.NotFoundError, match="no stabilisation chart"):
         here.modal_models.chart(modes.id)
+    left = here.modal_models.select(modes.id, drop=[1], merge=[[3, 4]])
+    assert (len(left.modes), left.shapes.shape) == (2, (3, 2))
+    assert left.frequencies[0] == modes.frequencies[1]
+    with pytest.raises(errors.ClientError, match="no mode 5"):
+        here.modal_models.select(modes.id, drop=[5])
+    assert len(here.modal_models.get(left.id, details=["flags", "notes"]).modes) == 2
     with pytest.raises(errors.ClientError, match="no FRF at 5"):
         here.modal_models.fit(modes.id, mode=2, response="5:+Y")

@@ -225,6 +225,23 @@ def test_a_fit_of_few_lines_draws_without_what_is_its_own() -> None:
     assert len(picture.plot()) == 2
 
 
+def test_modes_are_dropped_and_merged_by_their_numbers(lab: ModalLab, service: FakeService) -> None:
+    service.on("POST /v1/modal-models/mm1/select", {"id": "mm2"})
+    service.on("GET /v1/modal-models/mm2", {"id": "mm2", "modes": [MODE], "dofs": ["1:+Y"]})
+    service.on("GET /v1/modal-models/mm2/arrays", npz(shapes=np.ones((1, 1))))
+    assert lab.modal_models.select("mm1", drop=[2], merge=[(3, 4)]).id == "mm2"
+    assert service.body(0) == {"drop": [2], "merge": [[3, 4]]}
+
+
+def test_details_are_asked_for_by_name(lab: ModalLab, service: FakeService) -> None:
+    service.on("GET /v1/modal-models/mm2", {"id": "mm2", "modes": [MODE], "dofs": ["1:+Y"]})
+    service.on("GET /v1/modal-models/mm2/arrays", npz(shapes=np.ones((1, 1))))
+    lab.modal_models.get("mm2", details=["flags", "notes"])
+    assert service.requests[0].url.query == b"details=flags&details=notes"
+    lab.modal_models.get("mm2")
+    assert service.requests[2].url.query == b""
+
+
 def test_a_chart_draws_orders_over_frequency_by_stability(lab: ModalLab, service: FakeService) -> None:
     service.on("GET /v1/modal-models/mm1/chart", CHART)
     found = lab.modal_models.chart("mm1")

@@ -79,6 +79,7 @@ def test_a_foreign_universal_file_gives_modes_in_two_lines_and_all_else_runs(
         wander = names["moved"].frequency_inconsistency
         assert wander.cause == "roving_mass"
         assert abs(wander.size - 0.02) < 3 * wander.size_error
+        assert len(names["whole"].modes) == 8 < len(names["split"].modes)
 
 
 def test_what_the_guide_points_to_is_there() -> None:

@@ -88,6 +88,28 @@ class ModalModels(Shelf):
         arrays = self._transport.npz(f"/v1/modal-models/{modal_model_id}/arrays")
         return _wire.read(modal_model_of, about, arrays)
 
+    def select(
+        self, modal_model_id: str, *, drop: Sequence[int] = (), merge: Sequence[Sequence[int]] = ()
+    ) -> ModalModel:
+        """Return a new modal model without some modes, or with one mode in place of several.
+
+        Nothing is extracted again: frequencies and loss factors of merged modes are averaged by inverse
+        variance, their modal constants added. The modes are numbered anew.
+
+        Parameters
+        ----------
+        modal_model_id
+            The modal model, which stays as it is.
+        drop
+            Numbers of modes, from 1.
+        merge
+            Groups of numbers; the modes of each become one.
+        """
+        body = {"drop": list(drop), "merge": [list(group) for group in merge]}
+        path = f"{self.path}/{modal_model_id}/select"
+        reply = self._transport.request("POST", path, json=body)
+        return self.get(reply["id"])
+
     def fit(
         self, modal_model_id: str, *, mode: int, response: str, reference: str | None = None
     ) -> FitPlotData:

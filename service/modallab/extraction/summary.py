@@ -32,6 +32,7 @@ class FlagKind(StrEnum):
 
 
 BY_FRF = (FlagKind.OUTLIER, FlagKind.UNSURE, FlagKind.NODE)  # a flag for each FRF, with its name
+NOT_MAIN = (FlagKind.MERGED, *BY_FRF)
 
 
 def flag_kind(flag: str) -> FlagKind:
@@ -63,9 +64,9 @@ def _of_kind(kind: FlagKind, flags: Sequence[str]) -> Sequence[str]:
 def main_flags(modes: Sequence[Mode]) -> list[str]:
     """Return the flags that matter most, of different kinds, each with a mode and the number of modes.
 
-    Flags on FRFs that a mean leaves out are not among them.
+    Flags on FRFs that a mean leaves out, and on modes merged by request, are not among them.
     """
-    return [text for kind in FlagKind if kind not in BY_FRF for text in _main(kind, modes)][: SUMMARY.flags]
+    return [text for kind in FlagKind if kind not in NOT_MAIN for text in _main(kind, modes)][: SUMMARY.flags]
 
 
 def _main(kind: FlagKind, modes: Sequence[Mode]) -> Iterator[str]:

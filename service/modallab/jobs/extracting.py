@@ -124,7 +124,7 @@ def picture_of(
         leakage=leakage,
         estimator=measurement.setup.analyser.estimator,
     )
-    as_fitted = _as_measured(model, measurement.setup)
+    as_fitted = as_measured(model, measurement.setup)
     row = model.dofs.index(response) * len(model.references) + model.references.index(reference)
     return fit_plot_data(responses, as_fitted, mode - 1, row, leakage=leakage)
 
@@ -141,7 +141,7 @@ def resynthesised(measurement: Measurement, model: ModalModel) -> FrfSet:
     """
     frf = measurement.frf
     freq = frf.freq if frf.kind is FrfKind.INERTANCE else frf.freq[frf.freq > 0]
-    synthesised = resynthesise(_as_measured(model, measurement.setup), freq, frf.kind)
+    synthesised = resynthesise(as_measured(model, measurement.setup), freq, frf.kind)
     if synthesised.inputs == frf.inputs:
         return synthesised
     return FrfSet(
@@ -159,6 +159,6 @@ def _added(setup: RigSetup, model: ModalModel) -> FloatArray:
     return added_loss_factor(analyser.line_window.end, analyser.record_length, model.frequencies)
 
 
-def _as_measured(model: ModalModel, setup: RigSetup) -> ModalModel:
+def as_measured(model: ModalModel, setup: RigSetup) -> ModalModel:
     """Return the modes with the damping that the window added, as the measured lines have it."""
     return without_window_damping(model, -_added(setup, model)) if _CORRECTED in model.choices else model

@@ -31,7 +31,7 @@ from modallab.api.modal_models.reciprocal import (
     modal_reciprocity_of,
 )
 from modallab.api.modal_models.replies import DETAILS, ModalModelReply, modal_model_reply
-from modallab.api.modal_models.schemas import ModalModelIn, ModalModelStart
+from modallab.api.modal_models.schemas import ModalModelIn, ModalModelStart, SelectionIn
 from modallab.api.modal_models.table import COLUMNS, mode_rows
 from modallab.api.shelves import add_routes
 from modallab.api.thinning import Points
@@ -40,6 +40,7 @@ from modallab.core.modal_model import ModalModel
 from modallab.interchange import uff_modes
 from modallab.interchange.reading import read_modal_model
 from modallab.jobs.extracting import picture_of, resynthesised
+from modallab.jobs.selecting import selected_model
 from modallab.jobs.tasks import EXTRACTION
 from modallab.store.base import Store
 
@@ -52,6 +53,7 @@ _START = {
     "n_modes": 8,
     "options": {"lines": 12, "leave_out": 2},
 }
+_SELECTION = {"drop": [2, 5], "merge": [[3, 4]]}
 _IMPORT = {
     "modes": [{"frequency": 23.6, "loss_factor": 0.01, "shape": [1.15, [-0.7, 0.01], 1.15]}],
     "dofs": ["1:+Y", "11:+Y", "21:+Y"],
@@ -104,6 +106,29 @@ def import_modal_model(
 ) -> Any:
     """Return a modal model from frequencies, loss factors and shapes as JSON, or a universal file."""
     return _stored(body.to_domain(), store, owner)
+
+
+@router.post(
+    "/{id}/select",
+    status_code=status.HTTP_201_CREATED,
+    response_model=ModalModelReply,
+    summary="Drop or merge modes",
+)
+def select_from_modal_model(
+    id: IdPath, body: Annotated[SelectionIn, example(_SELECTION)], store: StoreDep, owner: OwnerDep
+) -> Any:
+    """Return a new modal model without the dropped modes, and with one mode for each group of merged modes.
+
+    Nothing is extracted again. Frequency and loss factor of a merged mode are means weighted by inverse
+    variance, its modal constants are the sums, and its shape follows from these; residuals and misfit are
+    fitted to the FRFs of the measurement. Shapes without modal constants are averaged.
+    """
+    model, made_from = store.modal_models.get(id), store.modal_models.entry(id).inputs
+    measurement_id = made_from.get("measurement_id")
+    measurement = None if measurement_id is None else store.measurements.get(measurement_id)
+    selected = selected_model(model, body.to_domain(), measurement)
+    stored = store.modal_models.add(selected, owner=owner, inputs={**made_from, "modal_model_id": id})
+    return modal_model_reply(selected, store.modal_models.entry(stored))
 
 
 @router.get(

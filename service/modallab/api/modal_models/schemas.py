@@ -9,13 +9,14 @@ from pydantic import ConfigDict, Field
 from modallab.api.deps import Id
 from modallab.api.derived import OptionsByMethod, body_of, options_from
 from modallab.api.schema import Limits, OneOf
-from modallab.api.wire import NO_CONVERSION, DofText, ModeCount, Number, Seed, Text, Wire
+from modallab.api.wire import NO_CONVERSION, Count, DofText, ModeCount, Number, Seed, Text, Wire
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.line_options import MAX_BANDS, ExcludedLines
 from modallab.core.modal_model import ModalModel, Mode
 from modallab.extraction.default_method import FEW_REFERENCES, SINGLE_REFERENCE
 from modallab.extraction.method_options import OPTIONS, options_type
+from modallab.extraction.requested.selection import ModeSelection
 from modallab.fe.synthetic_modes import Distribution, ModeNoise
 from modallab.jobs.extracting import ExtractionInputs, ExtractionRequest
 
@@ -122,6 +123,22 @@ class ModalModelStart(body_of(ExcludedLines)):  # type: ignore[misc]
             correct_window_damping=self.correct_window_damping,
         )
         return ExtractionInputs(self.measurement_id), request
+
+
+Modes = Annotated[list[Count], Field(max_length=500)]
+
+
+class SelectionIn(Wire):
+    """Modes to be dropped or merged, by their numbers from 1."""
+
+    drop: Modes = Field(default=[])
+    """numbers of modes that are dropped"""
+    merge: list[Modes] = Field(default=[], max_length=250)
+    """groups of numbers; the modes of each become one"""
+
+    def to_domain(self) -> ModeSelection:
+        """Return the selection; `InvalidInputError` if it is empty, or names a mode twice."""
+        return ModeSelection(tuple(self.drop), tuple(map(tuple, self.merge)))
 
 
 Complex = Number | tuple[Number, Number]

@@ -20,6 +20,8 @@ from modallab.extraction.preprocessing.responses import Responses
 from modallab.extraction.single_mode.damping_models import DAMPING_MODELS
 from modallab.extraction.single_mode.plan import choice_value
 
+MISFIT_NOTE = "modes and residuals leave"
+
 
 def resynthesise(
     model: ModalModel, freq: FloatArray, kind: FrfKind = FrfKind.RECEPTANCE, *, drive: Dof | None = None
@@ -251,6 +253,6 @@ def _misfit_notes(
     if has_error:
         chance = f"random error {100 * random[worst]:.1g} %"
     return (
-        f"modes and residuals leave more than {100 * RESYNTHESIS.largest_misfit:.0f} % of {len(poor)} FRFs "
+        f"{MISFIT_NOTE} more than {100 * RESYNTHESIS.largest_misfit:.0f} % of {len(poor)} FRFs "
         f"unexplained, most at {names[worst]}: {100 * misfit[worst]:.0f} %, {chance}",
     )
