@@ -20,19 +20,14 @@ class ModalLossFactors:
     loss_factors: tuple[float, ...]
     structural: float = 1.0
     viscous: float = 0.0  # s
-    more: tuple[float, ...] = ()  # additional structural loss factors of the lowest elastic modes
+    more: tuple[float, ...] = ()  # additional loss factors of the lowest elastic modes
 
     def scaled(self, factor: float) -> "ModalLossFactors":
         """Return modal damping multiplied by a factor."""
-        return replace(
-            self,
-            structural=factor * self.structural,
-            viscous=factor * self.viscous,
-            more=tuple(factor * loss_factor for loss_factor in self.more),
-        )
+        return replace(self, structural=factor * self.structural, viscous=factor * self.viscous)
 
     def with_modal_loss(self, more: tuple[float, ...]) -> "ModalLossFactors":
-        """Return modal damping with additional structural loss factors of the lowest modes."""
+        """Return modal damping with additional loss factors of the lowest modes, under the same law."""
         pairs = zip_longest(self.more, more, fillvalue=0.0)
         return replace(self, more=tuple(a + b for a, b in pairs))
 
@@ -45,14 +40,13 @@ class ModalLossFactors:
         """Return eta_r lambda_r of elastic modes from their lambda_r in rising order, (m,) rad^2/s^2."""
         etas = np.full(len(squares), self.loss_factors[-1])
         etas[: len(self.loss_factors)] = self.loss_factors[: len(squares)]
+        n = min(len(self.more), len(squares))
+        etas[:n] += self.more[:n]
         return np.asarray(etas * squares)
 
     def hysteretic(self, squares: FloatArray) -> FloatArray:
         """Return eta_r lambda_r of structural damping from lambda_r in rising order, (m,) rad^2/s^2."""
-        total = self.structural * self.modal_loss(squares)
-        n = min(len(self.more), len(squares))
-        total[:n] += np.array(self.more[:n]) * squares[:n]
-        return np.asarray(total)
+        return np.asarray(self.structural * self.modal_loss(squares))
 
     def attachment(self, mass: csc_array, squares: FloatArray, shapes: FloatArray) -> Attachment:
         """Return modal damping as an attachment to the undamped elastic modes (m,), (n, m) of a structure."""

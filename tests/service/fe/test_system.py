@@ -117,6 +117,20 @@ def test_each_mode_may_lose_more_or_less_than_the_law_has_it() -> None:
     np.testing.assert_array_equal(BEAM.modes().elastic(6).loss_factors, bare.loss_factors)
 
 
+def test_what_modes_lose_besides_follows_the_law_that_damping_is_converted_to() -> None:
+    more, omega = (0.004, -0.002, 0.003), 500.0
+    bare, lossy = BEAM.converted(1.0, omega), BEAM.with_modal_loss(more).converted(1.0, omega)
+    before, after = (system.modes().elastic(3) for system in (bare, lossy))
+    # viscous damping of the same energy at omega: a loss factor in proportion to frequency
+    expected = np.array(more) * 2 * np.pi * before.frequencies / omega
+    np.testing.assert_allclose(
+        after.loss_factors - before.loss_factors, expected, rtol=1e-3
+    )  # squares of both
+    doubled = BEAM.with_modal_loss(more).scaled(loss=2.0).modes().elastic(3).loss_factors
+    plain = BEAM.scaled(loss=2.0).modes().elastic(3).loss_factors
+    np.testing.assert_allclose(doubled - plain, 2 * np.array(more), atol=1e-9)  # sums to rounding
+
+
 def test_what_modes_lose_besides_is_there_in_matrices_and_receptance() -> None:
     lossy = BEAM.with_modal_loss((0.02, 0.01)).with_modal_loss((0.01,)).add_mass(1, 0.3)
     selected = lossy.selection((Dof(1, "Y"), Dof(9, "Y")))
