@@ -15,7 +15,7 @@ from modallab.extraction.averaging.out_of_band_residuals import fit_out_of_band,
 from modallab.extraction.averaging.settings import RESYNTHESIS
 from modallab.extraction.options import Damping
 from modallab.extraction.preprocessing.bands import Band
-from modallab.extraction.preprocessing.line_noise import has_coherence
+from modallab.extraction.preprocessing.line_noise import has_coherence, line_weights
 from modallab.extraction.preprocessing.responses import Responses
 from modallab.extraction.single_mode.damping_models import DAMPING_MODELS
 from modallab.extraction.single_mode.plan import choice_value
@@ -110,6 +110,9 @@ def with_resynthesis(
     residuals = fit_out_of_band(freq, measured - modes, error, poles)
     remainder = measured - modes - out_of_band_columns(freq, poles) @ residuals
     misfit = relative_error(freq, remainder, measured, usable)
+    known = has_coherence(responses)
+    if not known:  # then the scatter of neighbouring lines tells it
+        variance = 1 / np.maximum(line_weights(responses)[lines], SAFE_DIVISOR)
     random = relative_error(freq, np.sqrt(np.where(usable, variance, 0.0)), measured, usable)
     return replace(
         model,
@@ -118,7 +121,7 @@ def with_resynthesis(
         out_of_band_constant=None if out_of_band_poles is None else residuals[2:],
         resynthesis_error=misfit,
         ranges=_ranges(responses.freq, bands),
-        notes=(*model.notes, *_misfit_notes(misfit, random, model.frfs, has_error=has_coherence(responses))),
+        notes=(*model.notes, *_misfit_notes(misfit, random, model.frfs, has_error=known)),
     )
 
 
@@ -249,9 +252,9 @@ def _misfit_notes(
     if not len(poor):
         return ()
     worst = int(poor[np.argmax(misfit[poor])])
-    chance = "random error unknown without coherence"
-    if has_error:
-        chance = f"random error {100 * random[worst]:.1g} %"
+    chance = f"random error {100 * random[worst]:.2g} %"
+    if not has_error:
+        chance += " by the scatter of neighbouring lines"
     return (
         f"{MISFIT_NOTE} more than {100 * RESYNTHESIS.largest_misfit:.0f} % of {len(poor)} FRFs "
         f"unexplained, most at {names[worst]}: {100 * misfit[worst]:.0f} %, {chance}",

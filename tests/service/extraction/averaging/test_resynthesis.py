@@ -138,6 +138,19 @@ def test_a_mode_left_out_is_missed_and_said(plain_beam: Beam, freq: FloatArray) 
     assert any(note.startswith("modes and residuals leave more than 10 %") for note in model.notes)
 
 
+def test_noise_without_coherence_is_told_from_what_modes_leave(plain_beam: Beam, freq: FloatArray) -> None:
+    frf = plain_beam.frf(freq)
+    parts = np.random.default_rng(0).standard_normal((2, *frf.values.shape))
+    level = 0.05 * np.abs(frf.values).std()  # of inertance: much where an FRF is small
+    noisy = replace(frf, values=frf.values + level * (parts[0] + 1j * parts[1]))
+    for n_modes, said in ((None, False), (3, True)):
+        model = extract(noisy, coherence=None, averages=CLEAN, n_modes=n_modes)
+        assert model.resynthesis_error is not None
+        assert model.resynthesis_error.max() > 0.1
+        notes = [note for note in model.notes if note.startswith("modes and residuals leave more than 10 %")]
+        assert bool(notes) is said
+
+
 def test_viscous_modes_resynthesise_as_viscous_ones() -> None:
     freq = np.linspace(1.0, 100.0, 991)
     omega, pole, ratio = 2 * np.pi * freq, 2 * np.pi * 40.0, 0.03
