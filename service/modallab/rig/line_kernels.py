@@ -24,16 +24,35 @@ class LineKernel:
 
     nodes: FloatArray
     """(n_nodes,) Hz, quadrature nodes."""
-    near: FloatArray | csr_array | None = None
+    near: csr_array | None = None
     """(n_lines, n_nodes) line shape at nodes near each line."""
-    mirrored: FloatArray | csr_array | None = None
+    mirrored: csr_array | None = None
+    far: FloatArray | None = None
+    """(n_lines, n_blocks) line shape at blocks of as many nodes each, away from each line; None: none."""
+    far_mirrored: FloatArray | None = None
 
     @cached_property
-    def _parts(self) -> tuple[FloatArray | csr_array, FloatArray | csr_array]:
+    def _parts(self) -> tuple[csr_array, csr_array]:
         """(n_lines, n_nodes) each: for real parts of spectra, and for imaginary ones."""
         assert self.near is not None
         assert self.mirrored is not None
-        return self.near + self.mirrored, self.near - self.mirrored
+        return csr_array(self.near + self.mirrored), csr_array(self.near - self.mirrored)
+
+    @cached_property
+    def _far_parts(self) -> tuple[FloatArray, FloatArray] | None:
+        """(n_lines, n_blocks) each, as `_parts`."""
+        if self.far is None or self.far_mirrored is None:
+            return None
+        return self.far + self.far_mirrored, self.far - self.far_mirrored
+
+    def _seen(self, values: FloatArray, part: int) -> FloatArray:
+        """Return values (n_nodes, k) as seen by the lines: real parts for 0, imaginary parts for 1."""
+        seen = self._parts[part] @ values
+        if self._far_parts is not None:
+            far = self._far_parts[part]
+            starts = np.arange(far.shape[1]) * QUADRATURE.coarse_points * QUADRATURE.block_lines
+            seen += far @ np.add.reduceat(values, starts, axis=0)
+        return np.asarray(seen)
 
     def convolve(self, spectrum: ComplexArray) -> ComplexArray:
         """Return a spectrum (n_run, n_nodes, k) as seen by the lines, (n_run, n_lines, k)."""
@@ -41,11 +60,10 @@ class LineKernel:
             return spectrum
         n_run, n_nodes, k = spectrum.shape
         flat = spectrum.swapaxes(0, 1).reshape(n_nodes, n_run * k)
-        even, odd = self._parts
-        line_spectrum = np.zeros((even.shape[0], n_run * k), complex)
-        line_spectrum.real = even @ np.ascontiguousarray(flat.real)
+        line_spectrum = np.zeros((self.near.shape[0], n_run * k), complex)
+        line_spectrum.real = self._seen(np.ascontiguousarray(flat.real), 0)
         is_complex = flat.imag.any(axis=0)  # an auto spectrum has no imaginary part
-        line_spectrum.imag[:, is_complex] = odd @ flat.imag[:, is_complex]
+        line_spectrum.imag[:, is_complex] = self._seen(flat.imag[:, is_complex], 1)
         return line_spectrum.reshape(len(line_spectrum), n_run, k).swapaxes(0, 1)
 
 
@@ -96,18 +114,31 @@ def coarse_kernel(analyser: Analyser, lines: LineSelection) -> LineKernel:
     """Return the kernel of some lines for a stationary signal, on a uniform grid.
 
     Even steps of half a line: of smooth functions no rule of as many points is better, and a window's
-    line shape squared holds no finer detail.
+    line shape squared holds no finer detail. Away from a line, blocks of nodes count as one: memory goes
+    with the number of lines, not with its square.
     """
-    positions = (
-        np.arange(QUADRATURE.coarse_points * (analyser.n_lines - 1)) + 0.5
-    ) / QUADRATURE.coarse_points
-    window = analyser.line_window
-    n = samples_of(analyser)
-    near, mirrored = (
-        window.line_shapes(lines.indices.astype(float), position, n) / QUADRATURE.coarse_points
-        for position in (positions, -positions)
-    )
-    return LineKernel(positions * analyser.spacing, near, mirrored)
+    points, n = QUADRATURE.coarse_points, samples_of(analyser)
+    window, line = analyser.line_window, lines.indices.astype(float)
+    positions = (np.arange(points * (analyser.n_lines - 1)) + 0.5) / points
+    node_weight = np.sin(np.pi * positions) ** 2 / points
+    size = points * QUADRATURE.block_lines
+    centre = (np.arange(-(-len(positions) // size)) + 0.5) * QUADRATURE.block_lines
+
+    def parts(sign: int) -> tuple[csr_array, FloatArray]:
+        distance = line[:, None] - sign * centre
+        is_near = np.abs(distance) < QUADRATURE.near_lines
+        row, block = np.nonzero(is_near)
+        column = block[:, None] * size + np.arange(size)
+        exists = column < len(positions)
+        row, column = np.broadcast_to(row[:, None], column.shape)[exists], column[exists]
+        shape = node_weight[column] * window.envelope(line[row] - sign * positions[column], n)
+        near = csr_array(coo_array((shape, (row, column)), (len(line), len(positions))))
+        mean_weight = 0.5 / points  # of a squared sine over a line
+        far = mean_weight * window.envelope(np.where(is_near, QUADRATURE.near_lines, distance), n)
+        return near, np.where(is_near, 0.0, far)
+
+    (near, far), (mirrored, far_mirrored) = parts(1), parts(-1)
+    return LineKernel(positions * analyser.spacing, near, mirrored, far, far_mirrored)
 
 
 def refined_panels(

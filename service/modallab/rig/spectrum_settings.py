@@ -27,6 +27,15 @@ class QuadratureSettings(Settings):
         doc="points of a line of the unrefined grid for screening",
         derived="a squared line shape holds no finer detail",
     )
+    near_lines: float = setting(
+        64.0,
+        unit="lines",
+        doc="distance from a line up to which nodes of the unrefined grid count one by one",
+        derived="a shape of 1/y^2, without a window, changes by (block_lines/y)^2/4 = 0.4 % over a block",
+    )
+    block_lines: int = setting(
+        8, unit="lines", doc="lines of a block of nodes that counts as one", derived="as near_lines"
+    )
     min_half_width: float = setting(
         1e-6,
         unit="lines",
