@@ -115,3 +115,51 @@ def test_a_fit_of_several_references_is_asked_for_by_both_points(service: Any, d
         context = reply.json()["context"]
         assert (context["field"], context["value"]) == ("reference", value)
         assert context["allowed"] == ["1:+Y", "16:+Y"]
+
+
+SENSORS = [f"{n}:+Y" for n in range(1, 22, 2)]
+SEVERAL_INPUTS: dict[str, dict[str, Any]] = {
+    "two shakers": {"drives": ["1:+Y", "15:+Y"], "responses": SENSORS},
+    "roving hammer": {"drives": SENSORS, "responses": ["1:+Y", "15:+Y"], "exciter": {"kind": "hammer"}},
+}
+
+
+@pytest.fixture(scope="module", params=SEVERAL_INPUTS)
+def test_of_weak_member(service: Any, beam: str, request: pytest.FixtureRequest) -> str:
+    analyser = {"frequency_max": 1600.0, "n_lines": 161, "excitation": {"kind": "periodic_random"}}
+    noise = {"force": 0.0, "response": 1e-4}
+    rig: dict[str, Any] = {**SEVERAL_INPUTS[request.param], "analyser": analyser, "noise": noise}
+    changes: list[dict[str, Any]] = [{"members": [11], "property": "modulus", "factor": 1.8}]
+    weak = service.post(f"/v1/structures/{beam}/changes", {"changes": changes})["id"]
+    body = {"structure_id": weak, "rig_id": service.post("/v1/rigs", rig)["id"], "route": "drawn", "seed": 2}
+    return str(service.result_of("/v1/measurements", body))
+
+
+def test_an_update_on_frfs_to_several_inputs_fits_within_their_random_errors(
+    service: Any, beam: str, test_of_weak_member: str
+) -> None:
+    made_from = {"structure_id": beam, "measurement_id": test_of_weak_member}
+    parameterisation = {"macros": "each", "parts": ["stiffness"]}
+    body = {**made_from, "method": "frf_residual", "parameterisation": parameterisation}
+    found = service.get(f"/v1/updates/{service.result_of('/v1/updates', body)}")
+    assert found["suspected"]["stiffness"] == [11]
+    fit = found["responses"]
+    assert len(fit["outputs"]) * len(fit["inputs"]) == 22
+    # random errors that were too small by a root of two would leave 2
+    assert abs(fit["after"] - 1) < 0.2
+
+
+def test_frfs_to_several_inputs_are_correlated_input_by_input(
+    service: Any, beam: str, test_of_weak_member: str
+) -> None:
+    modes = service.result_of("/v1/modal-models", {"measurement_id": test_of_weak_member, "n_modes": 3})
+    body = {"structure_id": beam, "measurement_id": test_of_weak_member, "modal_model_id": modes}
+    id = service.post("/v1/correlations", body)["id"]
+    arrays = _npz(service, f"/v1/correlations/{id}/arrays")
+    n_out, n_in = len(arrays["outputs"]), len(arrays["inputs"])
+    assert n_out * n_in == 22
+    assert arrays["frac"].shape == (n_out, n_in)
+    assert arrays["fdac"].shape[0] == n_in
+    # a member that is 1.8 times as stiff moves all modes: no FRF is like another, none is unlike itself
+    assert (arrays["frac"] > 0.0).all()
+    assert (arrays["frac"] < 0.999).all()

@@ -11,10 +11,10 @@ from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import frf_names
 from modallab.core.numerics import COMPARISON_ROUNDING
+from modallab.estimation.multiple_coherence import coherence_per_force
 from modallab.extraction.options import MIN_LINES
 from modallab.extraction.preprocessing.bands import coherent_lines
 from modallab.extraction.preprocessing.fit_windows import line_variance
-from modallab.extraction.preprocessing.multiple_coherence import coherence_per_force
 from modallab.extraction.preprocessing.settings import RESPONSES
 
 

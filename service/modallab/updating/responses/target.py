@@ -10,6 +10,7 @@ from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.numerics import SAFE_SQUARED_DIVISOR
 from modallab.estimation.coherence import frf_error
+from modallab.estimation.multiple_coherence import coherence_per_force
 from modallab.estimation.settings import FORCE_NOISE
 from modallab.updating.responses.settings import RESPONSE_ERRORS
 
@@ -74,7 +75,8 @@ def target_responses(
     Parameters
     ----------
     coherence
-        (n_freq, n_out), or (n_freq, n_out, n_in) where each FRF has its own.
+        (n_freq, n_out), of several inputs the multiple coherence of simultaneous forces; or
+        (n_freq, n_out, n_in) where each FRF has its own.
     averages, noise_floor
         Effective number of independent averages; stated relative random error of the FRFs.
     common
@@ -98,9 +100,13 @@ def target_responses(
         )
     receptance = frf.between(0.0, np.inf).to(FrfKind.RECEPTANCE)
     size = np.abs(receptance.values)
-    line_coherence = (
-        None if coherence is None or averages <= RESPONSE_ERRORS.unknown_averages else coherence[lines]
-    )
+    line_coherence = None
+    if coherence is not None and averages > RESPONSE_ERRORS.unknown_averages:
+        line_coherence = _of_frfs(receptance.values, coherence[lines])
+        if coherence.ndim == 2:  # each further simultaneous force takes up an average
+            averages = max(
+                averages + 1 - size.shape[2], np.nextafter(RESPONSE_ERRORS.unknown_averages, np.inf)
+            )
     errors = _errors(size, line_coherence, averages, noise_floor)
     common_variance = np.zeros(size.shape) if common is None else common[lines]
     # The error by coherence is random itself; the common error is a lower bound of it.
@@ -124,22 +130,27 @@ def target_responses(
     )
 
 
+def _of_frfs(values: ComplexArray, coherence: FloatArray) -> FloatArray:
+    """Return the coherence of each FRF, (n_lines, n_out, n_in); without `n_in` it is the multiple one."""
+    return coherence if coherence.ndim == 3 else coherence_per_force(values, coherence)
+
+
 def _errors(
     size: FloatArray, coherence: FloatArray | None, averages: float, noise_floor: float | None
 ) -> FloatArray:
     """Return the standard errors of log magnitudes, (n_lines, n_out, n_in)."""
     errors = np.full(size.shape, RESPONSE_ERRORS.model_error)
     if coherence is not None:
-        errors = np.hypot(errors, _random_error(size, coherence, averages))
+        errors = np.hypot(errors, _random_error(coherence, averages))
     if noise_floor is not None:
         relative_size = np.median(size, axis=0) / np.where(size > 0, size, np.inf)
         errors = np.hypot(errors, noise_floor * np.maximum(relative_size, 1.0))
     return np.asarray(errors)
 
 
-def _random_error(size: FloatArray, coherence: FloatArray, averages: float) -> FloatArray:
-    g2 = np.maximum(coherence.reshape(*size.shape[:2], -1), RESPONSE_ERRORS.min_coherence)
-    return np.broadcast_to(frf_error(g2, averages - RESPONSE_ERRORS.unknown_averages), size.shape)
+def _random_error(coherence: FloatArray, averages: float) -> FloatArray:
+    g2 = np.maximum(coherence, RESPONSE_ERRORS.min_coherence)
+    return np.asarray(frf_error(g2, averages - RESPONSE_ERRORS.unknown_averages))
 
 
 def _bias(
@@ -153,9 +164,7 @@ def _bias(
     if coherence is None:
         return np.zeros(size.shape)
     individual_variance = variance - common
-    random_variance = np.clip(
-        _random_error(size, coherence, averages) ** 2 - common, 0.0, individual_variance
-    )
+    random_variance = np.clip(_random_error(coherence, averages) ** 2 - common, 0.0, individual_variance)
     return np.asarray(2 * random_variance**2 / individual_variance)
 
 

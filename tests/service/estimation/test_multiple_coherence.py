@@ -3,7 +3,7 @@ import pytest
 
 from modallab.core.dof import Dof
 from modallab.core.frf import FrfKind, FrfSet
-from modallab.extraction.preprocessing.multiple_coherence import coherence_per_force
+from modallab.estimation.multiple_coherence import coherence_per_force
 from modallab.extraction.preprocessing.responses import responses_of
 
 
