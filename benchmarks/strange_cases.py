@@ -302,21 +302,45 @@ def _several_texts() -> Iterator[Case]:
 
 # --- damaged files -----------------------------------------------------------------------------------
 
+SEED = 2026
+MOST_FLIPPED = 64  # bits
+
 
 def damaged_cases(cases: Sequence[Case]) -> list[Case]:
-    """Return two hundred damaged variants of the cases."""
-    variants = [variant for case in cases for variant in _damaged(case)]
-    return variants[:N_DAMAGED]
+    """Return damaged variants of the cases of which nothing may be taken: a part is missing or spoilt."""
+    rng = np.random.default_rng(SEED)
+    variants = [variant for case in cases for variant in _damaged(case, rng)]
+    chosen = np.sort(rng.permutation(len(variants))[:N_DAMAGED])
+    return [variants[k] for k in chosen]
 
 
-def _damaged(case: Case) -> Iterator[Case]:
+def flipped_cases(cases: Sequence[Case]) -> list[Case]:
+    """Return variants with random bits flipped, which may hit a number and leave a sound file."""
+    rng = np.random.default_rng(SEED + 1)
+    chosen = rng.permutation(np.resize(np.arange(len(cases)), N_DAMAGED))
+    return [_flipped(cases[k], rng) for k in chosen]
+
+
+def _damaged(case: Case, rng: np.random.Generator) -> Iterator[Case]:
     *others, (name, content) = case.files
-    for share in (0.3, 0.8):
-        yield _with(case, f"cut to {share:.0%}", (*others, (name, _cut(content, share))))
-    middle, width = len(content) // 2, max(len(content) // 10, 16)
-    spoilt = content[:middle] + b"\xff" * width + content[middle + width :]
-    yield _with(case, "a tenth overwritten", (*others, (name, spoilt)))
-    yield replace(case, name=f"{case.name}: no unit", options={**case.options, "unit": "g/kelvin"})
+    for _ in range(2):
+        share = rng.uniform(0.05, 0.95)
+        yield _with(case, f"truncated to {share:.1%}", (*others, (name, _cut(content, share))))
+    width = max(len(content) // 10, 16)
+    begin = int(rng.uniform(0.0, 0.9) * (len(content) - width))
+    spoilt = content[:begin] + b"\xff" * width + content[begin + width :]
+    yield _with(case, f"a tenth overwritten at {begin / len(content):.1%}", (*others, (name, spoilt)))
+    yield _with(case, "empty", (*others, (name, b"")))
+
+
+def _flipped(case: Case, rng: np.random.Generator) -> Case:
+    *others, (name, content) = case.files
+    count = int(2 ** rng.uniform(0.0, np.log2(MOST_FLIPPED)))
+    data = np.frombuffer(content, np.uint8).copy()
+    np.bitwise_xor.at(
+        data, rng.integers(len(data), size=count), 1 << rng.integers(8, size=count, dtype=np.uint8)
+    )
+    return _with(case, f"{count} bits flipped", (*others, (name, data.tobytes())))
 
 
 def _with(case: Case, damage: str, files: Files) -> Case:

@@ -5,8 +5,17 @@ import io
 import numpy as np
 import pytest
 
-from benchmarks.strange_cases import Case, curves, damaged_cases, matlab, npz, strange_cases, table
-from benchmarks.strange_files import error_of, read_case
+from benchmarks.strange_cases import (
+    Case,
+    curves,
+    damaged_cases,
+    flipped_cases,
+    matlab,
+    npz,
+    strange_cases,
+    table,
+)
+from benchmarks.strange_files import error_of, read_case, report_damaged
 from modallab.core.errors import InvalidInputError
 from modallab.interchange.declared import DeclaredTest
 from modallab.interchange.file_content import Piece, fields_from
@@ -18,6 +27,7 @@ from modallab.rig.measurement import Measurement
 
 CASES = {case.name: case for case in strange_cases()}
 DAMAGED = {case.name: case for case in damaged_cases(list(CASES.values()))[::5]}
+FLIPPED = {case.name: case for case in flipped_cases(list(CASES.values()))[::40]}
 
 
 def read_case_here(case: Case) -> Measurement:
@@ -37,6 +47,12 @@ def test_a_damaged_file_is_a_named_problem(name: str) -> None:
     with pytest.raises(InvalidInputError) as caught:
         read_case_here(DAMAGED[name])
     assert caught.value.context["field"]
+
+
+@pytest.mark.parametrize("name", FLIPPED)
+def test_flipped_bits_are_a_named_problem_or_leave_finite_numbers(name: str) -> None:
+    found = report_damaged([FLIPPED[name]], readable=True)
+    assert (found.named, found.read, found.unnamed) in ((1, 0, 0), (0, 1, 0))
 
 
 @pytest.mark.parametrize("name", ["mat 7.3, stated", "the same in a zip"])
