@@ -25,6 +25,7 @@ SMALL = {
     "extraction_errors": ["1"],
     "extraction_job": ["--frfs", "4", "--lines", "801", "--methods", "lscf"],
     "gap_without_cause": ["1"],
+    "hammer_modes": ["1", "--points", "20", "--lines", "1601"],
     "leaked_errors": ["1", "dobson"],
     "strange_files": ["--every", "20"],
     "viscous_modes": ["1"],
