@@ -8,10 +8,11 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.core.errors import NoModeInBandError
+from modallab.core.frequency_inconsistency import InconsistencyCause
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, part, silent
 from modallab.extraction.averaging.damping_model_flag import with_damping_model_flags
-from modallab.extraction.averaging.duplicate_modes import with_duplicate_flags
+from modallab.extraction.averaging.duplicate_modes import drift_ranges, with_duplicate_flags
 from modallab.extraction.averaging.notes import inconsistency_notes
 from modallab.extraction.averaging.resynthesis import with_resynthesis
 from modallab.extraction.multi_mode.frequency_ranges import Chart, find_frequency_ranges, orders_of
@@ -105,6 +106,7 @@ def extract_globally(
         leaked=None
         if leakage is None
         else leakage_correction(leakage, single_modes, responses.drive_row, responses.averages),
+        drifting=drift_ranges(single_modes),
         requested=bands is not None,
         progress=part(progress, starting_share, PROGRESS_SHARES.fits),
     )
@@ -142,6 +144,7 @@ def _fits(
     damping: Damping,
     *,
     leaked: LeakageCorrection | None,
+    drifting: tuple[tuple[float, float], ...],
     requested: bool,
     progress: Progress,
 ) -> list[GlobalFit]:
@@ -157,7 +160,7 @@ def _fits(
     for number, chart in enumerate(charts):
         range_progress = part(progress, number / len(charts), (number + 1) / len(charts))
         freq, lines = responses.freq[chart.lines], chart.lines
-        stretch = BandData(freq, responses.receptance[lines], weights[lines], weights_known, n_ref)
+        stretch = BandData(freq, responses.receptance[lines], weights[lines], weights_known, n_ref, drifting)
         modes = modes_of(find, stretch, chart.orders, damping, leaked=leaked, progress=range_progress)
         if modes is not None and modes.inside.any():
             fits.append(GlobalFit(lines, modes))
@@ -226,9 +229,15 @@ def _inconsistency_warning(single_modes: ModalModel | None) -> Iterator[str]:
     cause, *_ = inconsistency_notes(single_modes.frequency_inconsistency, single_modes.frfs)
     yield f"global methods assume that all FRFs belong to one structure, but here {cause}"
     followers = ", ".join(name for name, method in EXTRACTION_METHODS.items() if method.exact)
+    drifting = single_modes.frequency_inconsistency.cause is InconsistencyCause.STEADY_DRIFT
+    consequence = (
+        "a mode that drifts is one mode, with a mean frequency"
+        if drifting
+        else "modes may be split or doubled (see the flags if a cause was found)"
+    )
     yield (
-        "modes may be split or doubled (see the flags if a cause was found); methods that fit each FRF "
-        f"separately determine the frequency of each FRF: {followers}"
+        f"{consequence}; methods that fit each FRF separately determine the frequency of each FRF: "
+        f"{followers}"
     )
 
 

@@ -1,5 +1,6 @@
 """Flags on modes of a global method that are one mode of inconsistent frequency."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -40,9 +41,7 @@ def with_duplicate_flags(model: ModalModel, single_modes: ModalModel | None) -> 
         return model
     cause, size = single_modes.frequency_inconsistency.cause, single_modes.frequency_inconsistency.size
     flags = [mode.flags for mode in model.modes]
-    for m in np.flatnonzero(_explained(single_modes)).tolist():
-        frequency = single_modes.modes[m].frequency + single_modes.frequency_inconsistency.shift[m]
-        lowest, highest = float(np.nanmin(frequency)), float(np.nanmax(frequency))
+    for lowest, highest in _explained_ranges(single_modes):
         within = np.flatnonzero((model.frequencies >= lowest) & (model.frequencies <= highest))
         for row in within.tolist() if len(within) > 1 else []:
             duplicates = ", ".join(
@@ -59,6 +58,33 @@ def with_duplicate_flags(model: ModalModel, single_modes: ModalModel | None) -> 
             replace(mode, flags=mode_flags) for mode, mode_flags in zip(model.modes, flags, strict=True)
         ),
     )
+
+
+def drift_ranges(single_modes: ModalModel | None) -> tuple[tuple[float, float], ...]:
+    """Return lowest and highest frequency, Hz, of each unambiguous mode that a steady drift moves.
+
+    Parameters
+    ----------
+    single_modes
+        Modes identified FRF by FRF; None if there are none.
+    """
+    inconsistency = None if single_modes is None else single_modes.frequency_inconsistency
+    if (
+        single_modes is None
+        or inconsistency is None
+        or inconsistency.cause is not InconsistencyCause.STEADY_DRIFT
+    ):
+        return ()
+    return tuple(_explained_ranges(single_modes))
+
+
+def _explained_ranges(single_modes: ModalModel) -> Iterator[tuple[float, float]]:
+    """Yield lowest and highest frequency, Hz, of each mode that shifts as the common cause predicts."""
+    inconsistency = single_modes.frequency_inconsistency
+    assert inconsistency is not None
+    for m in np.flatnonzero(_explained(single_modes)).tolist():
+        frequency = single_modes.modes[m].frequency + inconsistency.shift[m]
+        yield float(np.nanmin(frequency)), float(np.nanmax(frequency))
 
 
 def _explained(single_modes: ModalModel) -> BoolArray:

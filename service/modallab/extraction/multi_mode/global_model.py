@@ -165,6 +165,7 @@ def _notes(fits: Sequence[GlobalFit], chosen: Sequence[IntArray]) -> Iterator[st
             yield f"left out, {fit.modes.fit.frequency[row]:.5g} Hz: {_exclusion_reason(fit.modes, row)}"
         for pole in fit.modes.left_out:
             yield f"left out, {pole.frequency:.5g} Hz: {pole.reason}"
+        yield from fit.modes.drifts
         if fit.modes.fit.common_noise > 0:
             share = 100 * fit.modes.fit.common_noise
             yield f"{share:.0f} % of the random error is common to all FRFs, as the standard errors consider"

@@ -50,6 +50,8 @@ class RangeModes:
     """(n_modes,) reason why a pole inside the range is no mode, as text; empty for modes."""
     left_out: tuple[DoubtfulMode, ...]
     """Poles that the fit does not contain, with the reason."""
+    drifts: tuple[str, ...] = ()
+    """Drift of each mode that moves during the test, as text."""
     leakage_bias: FloatArray | None = None
     """(n_modes, 2) approximate remaining bias of frequency, Hz, and loss factor by leakage; None without
     leakage."""
@@ -115,6 +117,7 @@ def modes_of(
         between & ~modes,
         tuple(doubts),
         _no_modes((*selection.left_out, *refined.left_out), fit, modes),
+        refined.drifts,
         refined.leakage_bias,
     )
 

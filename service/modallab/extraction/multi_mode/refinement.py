@@ -1,6 +1,6 @@
 """Backward elimination of modes that FRFs do not show, with poles outside the range."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from modallab.core.progress import Progress, part
 from modallab.extraction.multi_mode.fit_result import ModalFit
 from modallab.extraction.multi_mode.modal_fit import fit_modes, fitted_receptance
 from modallab.extraction.multi_mode.settings import REFINEMENT, SELECTION
+from modallab.extraction.multi_mode.split_modes import Merged, merged_in_ranges, merged_of_one_shape
 from modallab.extraction.multi_mode.variable_projection import affected_by_outer_modes
 from modallab.extraction.options import Damping
 from modallab.extraction.preprocessing.line_noise import weights_from_residuals
@@ -32,6 +33,8 @@ class BandData:
     """Whether the weights are absolute; else only their ratios are plausible."""
     n_ref: int = 1
     """Number of references, and so of FRFs of each DoF."""
+    drift_ranges: tuple[tuple[float, float], ...] = ()
+    """Hz, ranges in which a mode drifts from FRF to FRF, and so is one mode."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +46,11 @@ class StartingPoles:
     participation: ComplexArray | None
     """(n_modes, n_ref) factors; None if each FRF has its own constants."""
 
+    def without(self, rows: BoolArray) -> "StartingPoles":
+        """Return the poles that are not among `rows` (n_modes,)."""
+        reach = self.participation
+        return StartingPoles(self.eigenvalue[~rows], None if reach is None else reach[~rows])
+
 
 @dataclass(frozen=True, eq=False)
 class RefinedModes:
@@ -53,6 +61,8 @@ class RefinedModes:
     """(n_lines, n_frf) final weights of the fit."""
     left_out: tuple[DoubtfulMode, ...]
     """Rejected poles, with the reason."""
+    drifts: tuple[str, ...] = ()
+    """Drift of each mode that moves during the test, as text."""
     leakage_bias: FloatArray | None = None
     """(n_modes, 2) remaining bias of frequency, Hz, and loss factor by leakage; None without leakage."""
     residual_modes: tuple[tuple[float, float], ...] = ()
@@ -79,7 +89,11 @@ def refine_all(
 ) -> RefinedModes | None:
     """Return the fit of all significant modes as `refine`, from poles that include those out of band."""
     weight = band_data.weight
+    n_reweighted = 0 if band_data.weights_known else REFINEMENT.reweighted_fits
     left_out: list[DoubtfulMode] = []
+    drifts: list[str] = []
+    merged = merged_in_ranges(start.eigenvalue, band_data.drift_ranges)
+    start = replace(start, eigenvalue=merged.eigenvalue).without(merged.redundant)
     for n in range(REFINEMENT.iterations):
         step = part(progress, 1 - REFINEMENT.later_share**n, 1 - REFINEMENT.later_share ** (n + 1))
         fit = fit_modes(
@@ -91,25 +105,36 @@ def refine_all(
             participation=start.participation,
             progress=step,
         )
-        if not band_data.weights_known and n < REFINEMENT.reweighted_fits:
+        start = StartingPoles(fit.eigenvalue, fit.participation)
+        if n < n_reweighted:
             fitted = fitted_receptance(fit, band_data.freq, damping)
             weight = weights_from_residuals(band_data.receptance, fitted, band_data.weight)
-            start = StartingPoles(fit.eigenvalue, fit.participation)
+            continue
+        merged = _merged(fit, band_data)
+        if merged.redundant.any():
+            drifts += merged.notes
+            start = replace(start, eigenvalue=merged.eigenvalue).without(merged.redundant)
+            n_reweighted = n_reweighted and n + 2  # the weights were those of the split mode
             continue
         insignificant = insignificant_poles(fit, band_data.freq)
         if not insignificant.any():
-            return RefinedModes(fit, weight, tuple(left_out))
+            return RefinedModes(fit, weight, tuple(left_out), tuple(drifts))
         left_out += [
             DoubtfulMode(float(fit.frequency[row]), float(fit.loss_factor[row]), BELOW_NOISE)
             for row in np.flatnonzero(insignificant)
         ]
         if not (between_ends(fit, band_data.freq) & (fit.loss_factor > 0) & ~insignificant).any():
             return None
-        reach = fit.participation
-        start = StartingPoles(
-            fit.eigenvalue[~insignificant], None if reach is None else reach[~insignificant]
-        )
-    return RefinedModes(fit, weight, tuple(left_out))
+        start = start.without(insignificant)
+    return RefinedModes(fit, weight, tuple(left_out), tuple(drifts))
+
+
+def _merged(fit: ModalFit, band_data: BandData) -> Merged:
+    """Return the poles with one for each mode that drifts from FRF to FRF, or in all FRFs alike."""
+    merged = merged_in_ranges(fit.eigenvalue, band_data.drift_ranges)
+    if merged.redundant.any():
+        return merged
+    return merged_of_one_shape(fit, between_ends(fit, band_data.freq) & (fit.loss_factor > 0))
 
 
 def between_ends(fit: ModalFit, freq: FloatArray) -> BoolArray:

@@ -77,7 +77,8 @@ def _with_candidates(
             width = (fit.loss_factor * fit.frequency)[new]
             low, high = (fit.frequency[new] + sign * width for sign in (-1, 1))
             residual_modes = (*refined.residual_modes, *zip(low.tolist(), high.tolist(), strict=True))
-            return replace(trial, left_out=refined.left_out, residual_modes=residual_modes)
+            drifts = (*refined.drifts, *trial.drifts)
+            return replace(trial, left_out=refined.left_out, drifts=drifts, residual_modes=residual_modes)
     return None
 
 
