@@ -46,7 +46,8 @@ def residual_poles(band_data: BandData, residual: ComplexArray, fit: ModalFit) -
     """Return poles that the residual shows; None if there are none.
 
     Around every line a resonance with each of several bandwidths is fitted to the residual of all FRFs, with
-    one constant in each FRF (matched filter). Noise alone decreases the squared residual by an F ratio.
+    one constant in each FRF (matched filter). Noise alone decreases the squared residual by an F ratio, if
+    it is independent from line to line: no pole is told from noise that an exponential window correlates.
 
     Parameters
     ----------
@@ -70,7 +71,10 @@ def residual_poles(band_data: BandData, residual: ComplexArray, fit: ModalFit) -
     for row, width in enumerate(widths):
         size = max(int(width / spacing * RESIDUAL_POLES.group), 1)
         place = np.arange(size // 2, n_grid, size)
-        scores[row, place] = _score(lines.grouped(size), width / spacing / size)[: len(place)]
+        score, excess = _score(lines.grouped(size), width / spacing / size)
+        if row == 0 and excess > RESIDUAL_POLES.largest_excess:  # a wide pole meets missing modes everywhere
+            return None
+        scores[row, place] = score[: len(place)]
     scores[(widths[:, None] < least) | (widths[:, None] > largest)] = 0.0
     rows = _peaks(scores, widths / spacing)
     if not len(rows):
@@ -118,12 +122,16 @@ def _widths(smallest: float, largest: float) -> FloatArray:
     return np.asarray(smallest * RESIDUAL_POLES.width_step ** np.arange(n))
 
 
-def _score(lines: _Lines, width: float) -> FloatArray:
-    """Return -log10 of the probability that noise alone gives a resonance of a width in points, (n_grid,)."""
+def _score(lines: _Lines, width: float) -> tuple[FloatArray, float]:
+    """Return how improbable it is that noise alone gives a resonance of a width in points, and its excess.
+
+    Minus the decimal logarithm of the probability, (n_grid,); and the decrease of the squared residual in the
+    quieter part of the lines over that by independent noise.
+    """
     reach = max(int(np.ceil(RESIDUAL_POLES.reach * width)), RESIDUAL_POLES.least_reach)
     kernel = 1 / (width / 2 + 1j * np.arange(-reach, reach + 1))  # a unit residue, 1/(i omega - s)
     if len(kernel) > len(lines.used):
-        return np.zeros(len(lines.used))
+        return np.zeros(len(lines.used)), 1.0
     product = _convolved(lines.product, kernel.conj()[::-1])
     norm = _convolved(lines.weight, np.abs(kernel) ** 2)
     enough = norm > COMPARISON_ROUNDING * norm.max(axis=0)
@@ -133,8 +141,13 @@ def _score(lines: _Lines, width: float) -> FloatArray:
     left = np.maximum(np.convolve(lines.square, box, mode="same") - gain, SAFE_DIVISOR)
     usable = (n_left > 0) & (n_frf > 0)
     ratio = np.where(usable, gain / left * n_left / np.maximum(n_frf, 1), 0.0)
-    log = scipy.stats.f.logsf(ratio, 2 * np.maximum(n_frf, 1), 2 * np.maximum(n_left, 1))
-    return np.asarray(np.where(usable, -log / np.log(10), 0.0))
+    freedom = 2 * np.maximum(n_frf, 1), 2 * np.maximum(n_left, 1)
+    log = scipy.stats.f.logsf(ratio, *freedom)
+    excess = 1.0
+    if usable.any():
+        quiet, middle = RESIDUAL_POLES.quiet_share, (np.median(part[usable]) for part in freedom)
+        excess = float(np.quantile(ratio[usable], quiet) / scipy.stats.f.ppf(quiet, *middle))
+    return np.asarray(np.where(usable, -log / np.log(10), 0.0)), excess
 
 
 def _convolved(values: NDArray[Number], kernel: NDArray[Number]) -> NDArray[Number]:

@@ -286,6 +286,17 @@ class ResidualPoleSettings(Settings):
         doc="Mean squared residual around a new mode up to which it is noise.",
         derived="variances of lines are estimated within a factor of two",
     )
+    quiet_share: float = setting(
+        0.25,
+        unit="lines",
+        doc="Part of the lines, the quietest, by whose residual noise is judged.",
+        derived="modes that are missing take up less than the rest",
+    )
+    largest_excess: float = setting(
+        1.5,
+        doc="Decrease of the squared residual by a resonance, over that with independent noise.",
+        tuned="white noise: 1.0; an exponential window that falls to 0.01: 2.7 to 10",
+    )
 
 
 @dataclass(frozen=True)

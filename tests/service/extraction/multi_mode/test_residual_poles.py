@@ -6,6 +6,7 @@ import pytest
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.core.frf import FrfKind, FrfSet
+from modallab.estimation.windows import WINDOWS
 from modallab.extraction.extract import extract
 from modallab.extraction.multi_mode.modal_fit import fitted_receptance, modes_at_eigenvalues
 from modallab.extraction.multi_mode.refinement import BandData
@@ -43,6 +44,16 @@ def candidates_beside(band: BandData, known: FloatArray) -> Candidates | None:
 def test_noise_alone_shows_no_pole(seed: int) -> None:
     band = band_data(np.zeros((len(FREQ), N_FRF), complex), 1e-6, seed)
     # wrong once in 1e5 such lots: the probability of a false pole anywhere is 1e-6
+    assert candidates_beside(band, np.array([40.0])) is None
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_noise_that_a_window_correlates_shows_no_pole(seed: int) -> None:
+    rng, n = np.random.default_rng([8, seed]), 4096
+    records = rng.standard_normal((N_FRF, n)) * WINDOWS["exponential"].samples(n)
+    noise = np.fft.rfft(records)[:, 100 : 100 + len(FREQ)].T
+    noise *= 1e-6 / np.sqrt((np.abs(noise) ** 2).mean())
+    band = BandData(FREQ, noise, np.full(noise.shape, 1e12), True)
     assert candidates_beside(band, np.array([40.0])) is None
 
 
