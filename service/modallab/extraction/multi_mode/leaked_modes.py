@@ -65,8 +65,9 @@ def with_leakage_errors(
     bias = np.maximum(
         _remaining_bias(refined, band_data, damping), np.where(matched[:, None], bias, full_bias)
     )
+    narrow = matched & (fit.loss_factor * fit.frequency < LEAKED_MODES.narrow * spacing)
     fit = _with_imprecise_references(
-        _with_reference_errors(fit, sensitivity), reference_modes, nearest, imprecise
+        _with_reference_errors(fit, sensitivity), reference_modes, nearest, imprecise, narrow
     )
     return replace(refined, fit=fit, leakage_bias=bias)
 
@@ -165,15 +166,18 @@ def _remaining_bias(refined: RefinedModes, band_data: BandData, damping: Damping
 
 
 def _with_imprecise_references(
-    fit: ModalFit, reference_modes: ModalFit, nearest: IntArray, imprecise: BoolArray
+    fit: ModalFit, reference_modes: ModalFit, nearest: IntArray, imprecise: BoolArray, narrow: BoolArray
 ) -> ModalFit:
-    """Return the fit with errors not smaller than those of imprecise reference modes."""
+    """Return the fit with errors not smaller than those of imprecise reference modes.
+
+    Nor are those of the modal constants of narrow modes, which few lines determine, most of them corrected.
+    """
     fit_error = np.concatenate([fit.frequency_error, fit.loss_factor_error])
     reference_error = np.concatenate(
         [reference_modes.frequency_error[nearest], reference_modes.loss_factor_error[nearest]]
     )
     added = np.where(np.tile(imprecise, 2), np.maximum(reference_error**2 - fit_error**2, 0.0), 0.0)
-    constant = np.where(imprecise[:, None], reference_modes.modal_constant_error[nearest], 0.0)
+    constant = np.where((imprecise | narrow)[:, None], reference_modes.modal_constant_error[nearest], 0.0)
     return replace(
         fit,
         eigenvalue_covariance=fit.eigenvalue_covariance + np.diag(added),
