@@ -514,7 +514,7 @@ class LeakedModeSettings(Settings):
         20,
         unit="lines",
         doc="Lines to either side in the covariance of a mode.",
-        tuned="sampled tests with H1 and H2: with 12 modal constants by H1 scatter a fifth less, with 32 more",
+        tuned="sampled tests with H1 and H2: with 12 modal constants by H1 scatter less, with 32 more",
     )
     narrow: float = setting(
         1.0,
