@@ -53,6 +53,21 @@ def test_a_measurement_shows_magnitude_over_coherence() -> None:
     np.testing.assert_array_equal(lower.lines[0].get_xdata(), [2.0, 4.0], "nothing moves at 0 Hz")
 
 
+def test_frfs_to_several_inputs_are_drawn_each_over_their_coherence() -> None:
+    single = measurement()
+    assert single.coherence is not None
+    values = np.concatenate([single.values, 2 * single.values], axis=2)
+    inputs = (*single.inputs, "3:+Y")
+    of_shakers = replace(single, values=values, inputs=inputs)  # their coherence is the multiple one
+    roved = replace(of_shakers, coherence=np.repeat(single.coherence[:, :, None], 2, axis=2))
+    for test, n_coherences in ((of_shakers, 2), (roved, 4)):
+        upper, lower = test.plot()
+        labels = [line.get_label() for line in upper.lines]
+        assert labels == ["1:+Y / 1:+Y", "1:+Y / 3:+Y", "3:+Y / 1:+Y", "3:+Y / 3:+Y"]
+        np.testing.assert_array_equal(upper.lines[3].get_ydata(), np.abs(values[1:, 1, 1]))
+        assert len(lower.lines) == n_coherences
+
+
 def test_loss_factors_are_drawn_from_no_change_as_coefficients_are() -> None:
     found = {**UPDATE, "coefficients": {"stiffness": {"11": 2.0}, "damping": {"11": 0.05}}}
     axes = update_of(found).plot()
