@@ -64,7 +64,7 @@ def _with_candidates(
     )
     for _ in range(RESIDUAL_POLES.trials):
         proper = _explained(band_data, before, _residual(band_data, fit, damping), candidates)
-        candidates = candidates.at(proper & ~_doubling(refined.fit, fit, candidates, band_data.freq))
+        candidates = candidates.at(proper & ~doubling(refined.fit, fit, candidates, band_data.freq))
         if not len(candidates.eigenvalue):
             return None
         trial = refine_all(band_data, _start(refined.fit, candidates), damping, silent)
@@ -72,7 +72,7 @@ def _with_candidates(
             return None
         fit = trial.fit
         proper = _explained(band_data, before, _residual(band_data, fit, damping), candidates)
-        if (proper & ~_doubling(refined.fit, fit, candidates, band_data.freq)).all():
+        if (proper & ~doubling(refined.fit, fit, candidates, band_data.freq)).all():
             new = _new_modes(refined.fit, fit, band_data.freq)
             width = (fit.loss_factor * fit.frequency)[new]
             low, high = (fit.frequency[new] + sign * width for sign in (-1, 1))
@@ -100,15 +100,16 @@ def _new_modes(before: ModalFit, after: ModalFit, freq: FloatArray) -> BoolArray
     return np.asarray(new)
 
 
-def _doubling(before: ModalFit, after: ModalFit, candidates: Candidates, freq: FloatArray) -> BoolArray:
+def doubling(before: ModalFit, after: ModalFit, candidates: Candidates, freq: FloatArray) -> BoolArray:
     """Return which candidates became a mode too close to another one, (n_candidates,).
 
-    Two poles describe one mode whose frequency drifts as well as two modes.
+    Two poles describe one mode whose frequency drifts as well as two modes. They are as narrow as it: a broad
+    pole over a mode is a residual.
     """
     width = after.loss_factor * after.frequency
     distance = np.abs(after.frequency[:, None] - after.frequency)
     modes = between_ends(after, freq) & (after.loss_factor > 0)
-    close = distance < RESIDUAL_POLES.closest * np.maximum(width[:, None], width)
+    close = distance < RESIDUAL_POLES.closest * np.minimum(width[:, None], width)
     close &= modes[:, None] & modes & ~np.eye(len(width), dtype=bool)
     doubled = after.frequency[_new_modes(before, after, freq) & close.any(axis=1)]
     out = np.zeros(len(candidates.eigenvalue), bool)

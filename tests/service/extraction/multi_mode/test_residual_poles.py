@@ -11,6 +11,7 @@ from modallab.extraction.extract import extract
 from modallab.extraction.multi_mode.modal_fit import fitted_receptance, modes_at_eigenvalues
 from modallab.extraction.multi_mode.refinement import BandData
 from modallab.extraction.multi_mode.residual_poles import Candidates, residual_poles
+from modallab.extraction.multi_mode.residual_search import doubling
 from modallab.extraction.options import Damping
 
 FREQ = np.arange(20.0, 120.0, 0.125)
@@ -109,3 +110,20 @@ def test_a_mode_that_drifts_from_frf_to_frf_is_not_split_by_the_search() -> None
     band = band_data(values, 1e-2 * float(np.abs(values).std()), 2)
     model = extract(inertances(band.receptance), coherence=None, averages=1.0, method="lscf")
     assert np.count_nonzero(np.abs(model.frequencies - 90.0) < 5.0) == 1
+
+
+def test_a_broad_pole_of_the_search_does_not_hide_a_mode() -> None:
+    fit = modes_at_eigenvalues(
+        FREQ,
+        np.zeros((len(FREQ), 2), complex),
+        np.ones((len(FREQ), 2)),
+        np.asarray((2 * np.pi * np.array([40.0, 42.0, 44.0])) ** 2 * (1 + 1j * np.array([0.01, 0.01, 0.5]))),
+    )
+    before = modes_at_eigenvalues(
+        FREQ,
+        np.zeros((len(FREQ), 2), complex),
+        np.ones((len(FREQ), 2)),
+        np.array([(2 * np.pi * 40.0) ** 2 * (1 + 0.01j)]),
+    )
+    found = Candidates(np.array([(2 * np.pi * 42.0) ** 2 * (1 + 0.01j)]), None)
+    assert not doubling(before, fit, found, FREQ).any()
