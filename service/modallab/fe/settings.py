@@ -180,6 +180,12 @@ class CacheSettings(Settings):
     variants: int = setting(
         16, unit="systems", doc="rebuilt systems with other matrices", derived="memory of their modes"
     )
+    member_factors: int = setting(
+        2,
+        unit="systems",
+        doc="systems with other factors of members",
+        derived="a fit asks for each in succession and never again; each caches variants of its own",
+    )
     attachments: int = setting(
         64,
         unit="attachments",

@@ -37,6 +37,7 @@ from modallab.fe.system_matrices import SystemMatrices
 ATTACHMENTS: CacheSlot[Attachment] = CacheSlot("attachments", CACHE.attachments)
 MODAL_DAMPING: CacheSlot[Attachment] = CacheSlot("modal damping", CACHE.variants)
 VARIANTS: "CacheSlot[DynamicSystem]" = CacheSlot("variants", CACHE.variants)
+MEMBER_FACTORS: "CacheSlot[DynamicSystem]" = CacheSlot("member factors", CACHE.member_factors)
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,7 +176,7 @@ class DynamicSystem(SystemMatrices):
         table = self._member_table
         k, m = (np.array(factors or (1.0,)) for factors in (stiffness, mass))
         key = ("member factors", stiffness, mass)
-        return self._rebuilt(key, lambda: table.scaled(stiffness=k, mass=m), self.modal)
+        return self._rebuilt(key, lambda: table.scaled(stiffness=k, mass=m), self.modal, slot=MEMBER_FACTORS)
 
     def converted(self, share: float, omega: float) -> "DynamicSystem":
         """Return the system with a fraction, 0 to 1, of its damping converted to the other damping law.
@@ -217,6 +218,8 @@ class DynamicSystem(SystemMatrices):
         members: Callable[[], MemberTable],
         modal: ModalLossFactors | None,
         eigenvalue_ratio: float | None = None,
+        *,
+        slot: "CacheSlot[DynamicSystem]" = VARIANTS,
     ) -> "DynamicSystem":
         """Return the system of other members, with all attachments of this one.
 
@@ -239,7 +242,7 @@ class DynamicSystem(SystemMatrices):
 
         of_members = [attachment for _, attachment in self.alterations.values()]
         attachments = tuple(a for a in self.attachments if not any(a is b for b in of_members))
-        variant = self.cache.compute(VARIANTS, key, make)
+        variant = self.cache.compute(slot, key, make)
         system = replace(variant, attachments=attachments, alterations={})
         for number, (alteration, _) in self.alterations.items():
             system = system.alter(number, alteration)
