@@ -153,4 +153,9 @@ def _coherence(frf: FrfSet, coherence: FloatArray | None) -> FloatArray:
             allowed=bounds(0, 1),
         )
     bounded = np.minimum(coherence, 1.0)
+    incoherent = 1 - bounded
+    if (incoherent > 0).any():
+        # A 1 among others is rounded: the mean of all that is closer to 1 than the closest of these.
+        least = float(incoherent[incoherent > 0].min())
+        bounded = np.where(incoherent > 0, bounded, 1 - least / 2)
     return bounded if bounded.ndim == 3 else coherence_per_force(frf.values, bounded)
