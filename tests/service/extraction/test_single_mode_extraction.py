@@ -56,7 +56,7 @@ def test_of_a_hammer_modes_are_read_where_it_excites_and_noise_above_is_named() 
     np.testing.assert_allclose(model.frequencies, HAMMERED[:7], rtol=5e-5)
     np.testing.assert_allclose(model.loss_factors[:5], HAMMERED_LOSS[:5], rtol=0.01)
     assert any("peaks" in note and "classified as noise" in note for note in model.notes)
-    assert any("random error unknown without coherence" in note for note in model.notes)
+    assert any("by the scatter of neighbouring lines" in note for note in model.notes)
 
 
 @pytest.mark.parametrize("method", [kind for kind in EXACT if EXTRACTION_METHODS[kind].leaves_out])

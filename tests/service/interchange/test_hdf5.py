@@ -22,7 +22,7 @@ from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind
 from modallab.interchange import hdf5, reading
 from modallab.interchange.confinement import REFUSED as REFUSED_CODE
-from modallab.interchange.confinement import REQUEST
+from modallab.interchange.confinement import REQUEST, Content
 from modallab.interchange.file_content import FileContent
 from modallab.interchange.reading_options import NO_OPTIONS
 from modallab.interchange.settings import CONFINEMENT
@@ -261,8 +261,9 @@ print(run.returncode, used.ru_maxrss, used.ru_utime + used.ru_stime)
 def test_the_readers_process_has_little_memory_and_time(case: str, tmp_path: Path) -> None:
     (tmp_path / "0").write_bytes(HOSTILE[case])
     limits = {"memory_bytes": CONFINEMENT.memory_bytes, "processor_seconds": CONFINEMENT.processor_seconds}
-    request = {"names": [""], "options": NO_OPTIONS.as_json(), "largest": CONFINEMENT.max_bytes}
-    (tmp_path / REQUEST).write_text(json.dumps({**request, **limits, "file_bytes": 0}))
+    files = {"content": Content.FRFS, "names": [""], "options": NO_OPTIONS.as_json(), "file_bytes": 0}
+    request = {**files, **limits, "largest": CONFINEMENT.max_bytes}
+    (tmp_path / REQUEST).write_text(json.dumps(request))
     # From a small process: a child inherits the peak of who starts it.
     run = subprocess.run(
         [sys.executable, "-c", _MEASURED, str(tmp_path)],
