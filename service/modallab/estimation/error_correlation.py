@@ -63,7 +63,7 @@ def likeliest_correlation(
     window
         Window of the records; None: unknown.
     """
-    return min(_candidates(window), key=partial(_negative_likelihood, *_some(complement, residual)))
+    return min(_candidates(window), key=partial(_negative_likelihood, *_thinned(complement, residual)))
 
 
 def refined_correlation(
@@ -78,7 +78,7 @@ def refined_correlation(
     start
         An exponential window.
     """
-    misfit = partial(_negative_likelihood, *_some(complement, residual))
+    misfit = partial(_negative_likelihood, *_thinned(complement, residual))
 
     def at(parameters: FloatArray) -> ErrorCorrelation:
         end = np.clip(
@@ -101,12 +101,12 @@ def refined_correlation(
     )
     step = np.array([ERROR_CORRELATION.first_steps[0], 0.0])
     curvature = sum(misfit(at(solution.x + sign * step)) - float(solution.fun) for sign in (-1, 1))
-    n_fits = len(_some(complement, residual)[1])
+    n_fits = len(_thinned(complement, residual)[1])
     error = step / np.sqrt(max(curvature * n_fits, SAFE_DIVISOR))
     return at(solution.x), at(solution.x + np.minimum(error, step))
 
 
-def _some(complement: ComplexArray, residual: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+def _thinned(complement: ComplexArray, residual: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
     step = max(1, len(residual) // ERROR_CORRELATION.max_fits)
     return complement[::step], residual[::step]
 

@@ -6,7 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
-from modallab.core.arrays import FloatArray
+from modallab.core.arrays import BoolArray, FloatArray
 from modallab.core.numerics import PRODUCT_ROUNDING, SAFE_SQUARED_DIVISOR
 from modallab.diagnosis.fitting.settings import COVARIANCE
 from modallab.diagnosis.optimisation.fit_parameters import ParameterVector
@@ -31,7 +31,7 @@ class ParameterErrors:
     Zero between a parameter of held-out channels and any other.
     """
     prediction_variance: Mapping[str, float] = field(default_factory=dict)
-    """By part: mean variance of held-out residuals that the errors of fitted parameters add to noise."""
+    """Mean variance of held-out residuals by the errors of fitted parameters, over that of noise, by part."""
 
 
 class _Correlation(Protocol):
@@ -93,7 +93,9 @@ def standard_errors(
             held_out_slopes, fitted_slopes, covariance, room[n + held_out], weighting
         )
         nuisance_covariance[np.ix_(held_out, held_out)] = held_out_covariance
-    propagated = slopes[n_fitted:, fitted]
+    # A parameter on a bound has an error, but no other value was possible in the fit.
+    off_bounds = _off_bounds(slopes[:n_fitted, fitted], room[fitted], len(free), weighting)
+    propagated = slopes[n_fitted:, fitted] * off_bounds
     variances = ((propagated @ covariance) * propagated).sum(axis=1)
     held_out_lines = (
         fitted_residual.means_by_part(variances, observed.held_out_mask) if len(variances) else {}
@@ -218,11 +220,17 @@ def _covariance(
     """
     n = slopes.shape[1]
     prior = np.eye(n)[n - n_prior :]
-    rows = np.vstack([slopes / np.sqrt(weighting.variance * weighting.prior), prior])
-    free = room * np.linalg.norm(rows, axis=0) > COVARIANCE.bound_distance
+    free = _off_bounds(slopes, room, n_prior, weighting)
     covariance = np.diag(np.diag(_sandwich(slopes, prior, weighting, correlation)))
     covariance[np.ix_(free, free)] = _sandwich(slopes[:, free], prior[:, free], weighting, correlation)
     return covariance
+
+
+def _off_bounds(slopes: FloatArray, room: FloatArray, n_prior: int, weighting: _Weighting) -> BoolArray:
+    """Return which parameters (n,) lie on none of their bounds; arguments as in `_covariance`."""
+    n = slopes.shape[1]
+    rows = np.vstack([slopes / np.sqrt(weighting.variance * weighting.prior), np.eye(n)[n - n_prior :]])
+    return np.asarray(room * np.linalg.norm(rows, axis=0) > COVARIANCE.bound_distance)
 
 
 def _sandwich(

@@ -68,7 +68,7 @@ class Fit:
 
     @property
     def prediction_variance(self) -> Mapping[str, float]:
-        """By part: mean variance that parameter errors add to held-out residuals, over their random error."""
+        """Mean variance of held-out residuals by errors of fitted parameters, over that of noise, by part."""
         return self._errors.prediction_variance
 
     @property

@@ -52,6 +52,14 @@ class RandomField:
         return standard_deviation * (position @ self.shapes)
 
     def standard_errors(self, standard_deviation: float, covariance: FloatArray) -> FloatArray:
-        """Return the standard error (n_members,) of the same, from the covariance (n_shapes, n_shapes)."""
+        """Return the standard error (n_members,) of each logarithm.
+
+        Parameters
+        ----------
+        standard_deviation
+            Of the logarithm.
+        covariance
+            (n_shapes, n_shapes) of the coefficients of the shapes.
+        """
         variance = np.einsum("pe,pq,qe->e", self.shapes, covariance, self.shapes)
         return np.asarray(standard_deviation * np.sqrt(variance))

@@ -117,7 +117,7 @@ class RandomFieldSettings(Settings):
     correlation_length: float = setting(
         0.1,
         doc="correlation length over the largest extent of the structure",
-        derived="half a wavelength of the fifth bending mode of a free beam: shorter deviations average out",
+        derived="half a wavelength of the ninth bending mode of a free beam (beta L = 29.8)",
     )
     variance_share: float = setting(
         0.99, doc="variance of the retained shapes over that of the field", tuned=TESTS

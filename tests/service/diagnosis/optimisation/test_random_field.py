@@ -9,10 +9,13 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.place import Members
 from modallab.diagnosis.diagnose import diagnose
+from modallab.diagnosis.fitting.fit import fit
 from modallab.diagnosis.optimisation.nuisances import nuisance_parameters
 from modallab.diagnosis.optimisation.random_field import RandomField
-from modallab.diagnosis.optimisation.settings import RANDOM_FIELD
+from modallab.diagnosis.optimisation.settings import NUISANCE, RANDOM_FIELD
 from modallab.diagnosis.optimisation.tolerances import Tolerances
+from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
+from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.result import Verdict
 from modallab.effects.extra_mass import ExtraMass
 from modallab.fe.assembly import assemble
@@ -110,6 +113,19 @@ def test_an_effect_is_named_in_a_model_that_is_a_little_wrong() -> None:
     (mass,) = diagnosis.steps[0].effect.parameters.values()
     assert mass.value == pytest.approx(0.05, abs=4 * mass.standard_error)
     assert mass.standard_error > 1e-4  # 0.2 % of the mass: what the tolerances leave, not the lines alone
+
+
+def test_a_deviation_on_its_bound_does_not_excuse_held_out_data() -> None:
+    narrow = Tolerances(modulus_variation=2e-4, density_variation=2e-4)
+    test = measured()
+    predictor = SingleTestPredictor.of(model(), test.setup, observe(test, (), fraction=0.25))
+    predictor = predictor.with_nuisances(nuisance_parameters(narrow, predictor.system, predictor.setup))
+    bounded = fit(predictor, ())
+    on_bounds = np.abs(bounded.nuisance_position) > NUISANCE.max_deviation - 1e-9  # rounding of a bound
+    assert on_bounds.mean() > 0.5
+    # below noise: those few parameters that are off their bounds have errors of at most 0.02 %
+    assert bounded.prediction_variance["frf"] < 1
+    assert bounded.residual.gap(predictor.observed.held_out_mask) > 2
 
 
 def test_a_model_without_members_is_refused() -> None:
