@@ -1,6 +1,6 @@
 """Attachment: a small dynamic system added to motions of a structure."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -80,6 +80,11 @@ def dynamic_stiffnesses(attachments: Sequence[Attachment], omega: FloatArray) ->
     return z if inner == 0 else _condensed(z, inner)
 
 
+def point_mass(columns: FloatArray, mass: float) -> Attachment:
+    """Return a mass, kg, that moves with each of some motions (n, r)."""
+    return Attachment(columns, mass=mass * np.eye(columns.shape[1]))
+
+
 def spring(column: FloatArray, stiffness: float) -> Attachment:
     """Return a spring, N/m (N m for a rotation), from a motion (n, 1) to the ground."""
     return Attachment(column, stiffness=np.array([[stiffness]]))
@@ -141,6 +146,23 @@ def with_blocks(
     for columns, block in blocks:
         total += columns @ block @ columns.T
     return csc_array(total)
+
+
+def with_attachments(
+    matrices: Mapping[str, csc_array | None], n: int, attachments: tuple[Attachment, ...]
+) -> dict[str, csc_array | None]:
+    """Return matrices (n, n) by name with attachments added, internal coordinates in rows after the `n`."""
+    columns_of = extended_columns(n, attachments)
+    size = n + sum(a.inner for a in attachments)
+    out = {}
+    for name, matrix in matrices.items():
+        blocks = [
+            (columns, block)
+            for attachment, columns in zip(attachments, columns_of, strict=True)
+            if (block := getattr(attachment, name)) is not None and block.any()
+        ]
+        out[name] = with_blocks(padded(matrix, size), blocks, size)
+    return out
 
 
 def with_internal_motions(shapes: FloatArray, attachments: tuple[Attachment, ...]) -> FloatArray:

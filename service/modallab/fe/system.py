@@ -9,19 +9,18 @@ from scipy.sparse import csc_array
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError, UnknownDofError
+from modallab.core.errors import InvalidInputError
 from modallab.fe.alteration import Alteration
 from modallab.fe.attachment import (
     MATRIX_NAMES,
     Attachment,
     attached_stiffness,
     damper,
-    extended_columns,
     oscillator,
-    padded,
+    point_mass,
     spring,
     stacked_columns,
-    with_blocks,
+    with_attachments,
     with_internal_motions,
 )
 from modallab.fe.cache import CacheSlot
@@ -35,7 +34,6 @@ from modallab.fe.settings import CACHE, EIGENSOLUTION
 from modallab.fe.system_matrices import SystemMatrices
 
 ATTACHMENTS: CacheSlot[Attachment] = CacheSlot("attachments", CACHE.attachments)
-MODAL_DAMPING: CacheSlot[Attachment] = CacheSlot("modal damping", CACHE.variants)
 VARIANTS: "CacheSlot[DynamicSystem]" = CacheSlot("variants", CACHE.variants)
 MEMBER_FACTORS: "CacheSlot[DynamicSystem]" = CacheSlot("member factors", CACHE.member_factors)
 
@@ -70,10 +68,7 @@ class DynamicSystem(SystemMatrices):
         return self.cache.compute(ATTACHMENTS, key, make, capacity=capacity)
 
     def _mass(self, node: int, mass: float) -> Attachment:
-        translations = tuple(d for d in self.dofs if d.node == node and d.translational)
-        if not translations:
-            raise UnknownDofError(f"node {node} has no translation to carry a mass", field="node", value=node)
-        return Attachment(self.selection(translations), mass=mass * np.eye(len(translations)))
+        return point_mass(self.selection(self.translations(node)), mass)
 
     def add_spring(self, dof: Dof, stiffness: float) -> "DynamicSystem":
         """Return the system with a spring, N/m (N m for a rotation), from a DoF to the ground."""
@@ -258,31 +253,15 @@ class DynamicSystem(SystemMatrices):
         Internal coordinates of the attachments become rows after those of the DoFs.
         """
         attachments = self._all_attachments
-        columns_of = extended_columns(len(self.dofs), attachments)
-        n = len(self.dofs) + sum(a.inner for a in attachments)
-        out = {name: padded(matrix, n) for name, matrix in self._matrices.items()}
-        for name, total in out.items():
-            blocks = [
-                (columns, block)
-                for attachment, columns in zip(attachments, columns_of, strict=True)
-                if (block := getattr(attachment, name)) is not None and block.any()
-            ]
-            out[name] = with_blocks(total, blocks, n)
+        out = with_attachments(self._matrices, len(self.dofs), attachments)
         rigid = None if self.rigid is None else with_internal_motions(self.rigid, attachments)
         return DynamicSystem(**out, dofs=self.dofs, rigid=rigid, members=self.members)  # type: ignore[arg-type]
 
     @property
     def _all_attachments(self) -> tuple[Attachment, ...]:
         """All attachments, modal damping among them as the last one."""
-        if self.modal is None:
-            return self.attachments
-        modal = self.modal
-
-        def make() -> Attachment:
-            basis = self.undamped_modes(EIGENSOLUTION.modal_damping_band).elastic()
-            return modal.attachment(self.mass, basis.eigenvalues.real, basis.shapes.real)
-
-        return (*self.attachments, self.cache.compute(MODAL_DAMPING, modal, make))
+        damping = self.modal_damping
+        return self.attachments if damping is None else (*self.attachments, damping)
 
     @property
     def stacked_columns(self) -> FloatArray:

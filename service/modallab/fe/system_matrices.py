@@ -9,13 +9,15 @@ from scipy.sparse import csc_array
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import UnknownDofError, bounds
+from modallab.fe.attachment import Attachment
 from modallab.fe.cache import Cache, CacheSlot
 from modallab.fe.member_table import MemberTable
 from modallab.fe.modal_damping import ModalLossFactors
 from modallab.fe.modes import ModalBasis, first_basis, undamped_basis
-from modallab.fe.settings import EIGENSOLUTION
+from modallab.fe.settings import CACHE, EIGENSOLUTION
 
 ROWS_BY_DOF: CacheSlot[dict[Dof, int]] = CacheSlot("rows by DoF")
+MODAL_DAMPING: CacheSlot[Attachment] = CacheSlot("modal damping", CACHE.variants)
 UNDAMPED_MODES: CacheSlot[ModalBasis] = CacheSlot("undamped modes")
 DAMPED_MODES: CacheSlot[ModalBasis] = CacheSlot("damped modes")
 
@@ -64,6 +66,19 @@ class SystemMatrices:
                 allowed=at_node or nodes,
             ) from None
 
+    def translations(self, node: int) -> tuple[Dof, ...]:
+        """Return the translational DoFs of a node.
+
+        Raises
+        ------
+        UnknownDofError
+            If the node has none.
+        """
+        translations = tuple(d for d in self.dofs if d.node == node and d.translational)
+        if not translations:
+            raise UnknownDofError(f"node {node} has no translation to carry a mass", field="node", value=node)
+        return translations
+
     def selection(self, dofs: tuple[Dof, ...]) -> FloatArray:
         """Return the (n, n_dof) columns that select DoFs, with their signs."""
         columns = np.zeros((len(self.dofs), len(dofs)))
@@ -99,6 +114,19 @@ class SystemMatrices:
             frequency_max = np.inf if len(self.dofs) < EIGENSOLUTION.dense_dofs else limit
             basis = undamped_basis(self.mass, self.stiffness, self.rigid, frequency_max=frequency_max)
         return self.cache.put(UNDAMPED_MODES, basis)
+
+    @property
+    def modal_damping(self) -> Attachment | None:
+        """Modal damping of the matrices as an attachment; None without."""
+        if self.modal is None:
+            return None
+        modal = self.modal
+
+        def make() -> Attachment:
+            basis = self.undamped_modes(EIGENSOLUTION.modal_damping_band).elastic()
+            return modal.attachment(self.mass, basis.eigenvalues.real, basis.shapes.real)
+
+        return self.cache.compute(MODAL_DAMPING, modal, make)
 
     def lowest_undamped_modes(self, count: int) -> ModalBasis:
         """Return `count` or more of the lowest elastic modes of the matrices, undamped, or all."""

@@ -15,8 +15,9 @@ from modallab.rig.chain import Chain
 from modallab.rig.excitation import EXCITATIONS, Transient
 from modallab.rig.hammer_misalignment import misalignment_responses
 from modallab.rig.impulse_responses import ImpulseResponses
+from modallab.rig.record_settings import FREE_DECAY
 from modallab.rig.ringing_modes import RingingModes, ringing_modes
-from modallab.rig.settings import CHAIN, FREE_DECAY
+from modallab.rig.settings import CHAIN
 
 
 def transient_of(chain: Chain) -> Transient | None:

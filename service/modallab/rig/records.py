@@ -15,7 +15,7 @@ from modallab.rig.free_decay import impulse_responses_of, transient_of
 from modallab.rig.impulse_responses import ImpulseResponses
 from modallab.rig.nonlinear_records import Distorter, SourceSignal, max_parallel_records
 from modallab.rig.periodic import fixed_lines
-from modallab.rig.settings import RECORDS
+from modallab.rig.record_settings import RECORDS
 
 Draft = tuple[
     Batch, list[SourceSignal]

@@ -8,7 +8,7 @@ from numpy.polynomial import chebyshev
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.numerics import SAFE_DIVISOR
-from modallab.rig.settings import RINGING
+from modallab.rig.record_settings import RINGING
 
 Spectra = Callable[[FloatArray], ComplexArray]  # (n,) Hz -> (n, k)
 

@@ -26,8 +26,8 @@ from modallab.rig.effect import Effect
 from modallab.rig.expected import expected_spectra
 from modallab.rig.hardware import Accelerometers, Exciter
 from modallab.rig.measure import Route, measure
+from modallab.rig.record_settings import RECORDS
 from modallab.rig.sampled import sampled_spectra
-from modallab.rig.settings import RECORDS
 from modallab.rig.setup import RigSetup
 from tests.rigs import dofs, steel_beam
 

@@ -8,7 +8,7 @@ import scipy.fft
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.rig.excitation import EXCITATIONS, Excitation, ExcitationSetting
 from modallab.rig.impulse_responses import ImpulseResponses
-from modallab.rig.settings import BURST
+from modallab.rig.record_settings import BURST
 
 
 class Burst:
