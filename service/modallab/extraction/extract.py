@@ -115,28 +115,7 @@ def extract(
         else MethodChoice(method, f"{method}: as requested")
     )
     method, requested = choice.method, options_for(choice.method, options)
-    if method in GLOBAL_METHODS:
-        read: Read = partial(
-            extract_globally,
-            GLOBAL_METHODS[method].find,
-            responses,
-            method=method,
-            bands=bands,
-            n_modes=n_modes,
-            leakage=leakage,
-            bias=bias,
-            known={},
-        )
-    else:
-        read = partial(
-            extract_mode_by_mode,
-            EXTRACTION_METHODS[method],
-            responses,
-            method=method,
-            bands=bands,
-            n_modes=n_modes,
-            leakage=leakage,
-        )
+    read = _reader(method, responses, bias, bands=bands, n_modes=n_modes, leakage=leakage)
     exact = method in GLOBAL_METHODS or EXTRACTION_METHODS[method].exact
     if requested.damping is None and exact:
         model = _by_identified_damping_model(read, requested, progress)
@@ -151,6 +130,39 @@ def extract(
         choices={"method": choice.reason, **model.choices},
         options=asdict(requested),
         exclude=tuple((lower, upper) for lower, upper in exclude),
+    )
+
+
+def _reader(
+    method: str,
+    responses: Responses,
+    bias: FloatArray | float,
+    *,
+    bands: Sequence[tuple[float, float]] | None,
+    n_modes: int | None,
+    leakage: WindowLeakage | None,
+) -> Read:
+    """Return the extraction from some responses by a method."""
+    if method in GLOBAL_METHODS:
+        return partial(
+            extract_globally,
+            GLOBAL_METHODS[method].find,
+            responses,
+            method=method,
+            bands=bands,
+            n_modes=n_modes,
+            leakage=leakage,
+            bias=bias,
+            known={},
+        )
+    return partial(
+        extract_mode_by_mode,
+        EXTRACTION_METHODS[method],
+        responses,
+        method=method,
+        bands=bands,
+        n_modes=n_modes,
+        leakage=leakage,
     )
 
 

@@ -88,14 +88,14 @@ def extract_globally(
     search = find_frequency_ranges(responses, indicator, bands)
     ranges = search.ranges
     starting_share = PROGRESS_SHARES.single_modes if leakage is None else PROGRESS_SHARES.single_modes_leaked
-    known = {} if known is None or leakage is not None else known
-    lines = slice(ranges[0].start, ranges[-1].stop)
-    if (lines.start, lines.stop) not in known:
-        single_progress = part(progress, 0.0, starting_share)
-        known[lines.start, lines.stop] = _single_mode_model(
-            responses, options, leakage, lines, single_progress
-        )
-    single_modes = known[lines.start, lines.stop]
+    single_modes = _known_single_modes(
+        {} if known is None or leakage is not None else known,
+        responses,
+        options,
+        leakage,
+        slice(ranges[0].start, ranges[-1].stop),
+        part(progress, 0.0, starting_share),
+    )
     charts = [Chart(lines, *orders_of(indicator[lines], options)) for lines in ranges]
     fits = _fits(
         find,
@@ -169,6 +169,20 @@ def _fits(
     if not fits:
         _raise_no_mode(responses.freq, requested=requested)
     return fits
+
+
+def _known_single_modes(
+    known: KnownModes,
+    responses: Responses,
+    options: ExtractionOptions,
+    leakage: WindowLeakage | None,
+    lines: slice,
+    progress: Progress,
+) -> ModalModel | None:
+    """Return modes as `_single_mode_model`, those of the same lines if they are known; keeps them."""
+    if (lines.start, lines.stop) not in known:
+        known[lines.start, lines.stop] = _single_mode_model(responses, options, leakage, lines, progress)
+    return known[lines.start, lines.stop]
 
 
 def _single_mode_model(

@@ -10,7 +10,7 @@ from modallab.core.frequency_inconsistency import FrequencyInconsistency, Incons
 from modallab.core.modal_model import ModalModel, Mode, Spread, frf_names
 from modallab.extraction.averaging.frequency_inconsistency import FittedModes, find_frequency_inconsistency
 from modallab.extraction.averaging.leakage_flag import leakage_bias_of, leakage_flags
-from modallab.extraction.averaging.means import Averaging, averaged, is_significant
+from modallab.extraction.averaging.means import Averaging, Mean, averaged, is_significant
 from modallab.extraction.averaging.notes import choice_of_means, inconsistency_notes, no_scale, why_outlying
 from modallab.extraction.averaging.reference_shapes import ReferenceShapes, reference_shapes
 from modallab.extraction.averaging.settings import INCONSISTENCY, NODES
@@ -56,20 +56,10 @@ def combine_fits(
         Correlation of the errors of different FRFs, 0 to 1, from `shared_noise_fraction`.
     """
     order = _order(table)
-    names, n_ref = frf_names(dofs, references), len(references)
+    names = frf_names(dofs, references)
     constant, error = table.modal_constant[order], table.modal_constant_error[order]
     shapes = reference_shapes(constant, error, dofs, references, noise_correlation)
-    inconsistency = find_frequency_inconsistency(
-        FittedModes(
-            frequency=table.frequency[order],
-            frequency_error=table.frequency_error[order],
-            loss_factor=table.loss_factor[order],
-            good=table.screening.good[order],
-            shape=shapes.shape.repeat(n_ref, axis=1),
-            shape_error=shapes.error.repeat(n_ref, axis=1),
-            scaled=shapes.scale is not None,
-        )
-    )
+    inconsistency = find_frequency_inconsistency(_fitted_modes(table, order, shapes, len(references)))
     identified = table.screening.good[order] | table.screening.outlying[order]
     return ModalModel(
         modes=tuple(
@@ -108,6 +98,19 @@ def _order(table: FitTable) -> IntArray:
     return np.asarray(identified[np.argsort(frequency, kind="stable")], np.int64)
 
 
+def _fitted_modes(table: FitTable, order: IntArray, shapes: ReferenceShapes, n_ref: int) -> FittedModes:
+    """Return the fits and shapes of modes in which inconsistent frequencies are looked for."""
+    return FittedModes(
+        frequency=table.frequency[order],
+        frequency_error=table.frequency_error[order],
+        loss_factor=table.loss_factor[order],
+        good=table.screening.good[order],
+        shape=shapes.shape.repeat(n_ref, axis=1),
+        shape_error=shapes.error.repeat(n_ref, axis=1),
+        scaled=shapes.scale is not None,
+    )
+
+
 def _averaging(inconsistency: FrequencyInconsistency | None, r: int) -> Averaging:
     """Return the kind of average of frequency and loss factor of a mode."""
     if inconsistency is None:
@@ -128,32 +131,15 @@ def _mode(
     names: Sequence[str],
 ) -> Mode:
     good = table.screening.good[m]
-    frequency, loss_factor = table.frequency[m][good], table.loss_factor[m][good]
-    neglected_loss_factor = INCONSISTENCY.neglected_error * float(loss_factor.mean())
-    # A fit with a low loss factor also has a low standard error of it: weights from standard errors would
-    # bias the mean. Relative errors hardly depend on the fitted loss factor.
-    middle = float(np.median(loss_factor))
-    relative = table.loss_factor_error[m][good] / loss_factor * middle
-    error, neglected_frequency = (
-        table.frequency_error[m][good],
-        neglected_loss_factor * float(frequency.mean()),
-    )
-    mean = averaged(frequency, error, neglected_frequency, averaging, noise_correlation)
-    damping = averaged(
-        loss_factor,
-        relative if averaging is Averaging.WEIGHTED else table.loss_factor_error[m][good],
-        neglected_loss_factor,
-        averaging,
-        noise_correlation,
-    )
+    mean, damping = _means(table, m, averaging, noise_correlation)
     errors = {"frequency": mean.error, "loss_factor": damping.error}
     bias = leakage_bias_of(table, m)
     return Mode(
         frequency=mean.value,
         loss_factor=damping.value,
         shape=shapes.shape[number],
-        frequency_spread=_spread(frequency),
-        loss_factor_spread=_spread(loss_factor),
+        frequency_spread=_spread(table.frequency[m][good]),
+        loss_factor_spread=_spread(table.loss_factor[m][good]),
         standard_errors=errors,
         shape_errors=shapes.error[number],
         leakage_bias=bias,
@@ -162,6 +148,24 @@ def _mode(
             *shapes.flags(number),
             *leakage_flags(bias, errors, damping.value),
         ),
+    )
+
+
+def _means(table: FitTable, m: int, averaging: Averaging, noise_correlation: float) -> tuple[Mean, Mean]:
+    """Return the averages of frequency, Hz, and loss factor of a mode over its accepted fits."""
+    good = table.screening.good[m]
+    frequency, loss_factor = table.frequency[m][good], table.loss_factor[m][good]
+    frequency_error, loss_factor_error = table.frequency_error[m][good], table.loss_factor_error[m][good]
+    neglected = INCONSISTENCY.neglected_error * float(loss_factor.mean())
+    if averaging is Averaging.WEIGHTED:
+        # A fit with a low loss factor also has a low standard error of it: weights from standard errors
+        # would bias the mean. Relative errors hardly depend on the fitted loss factor.
+        loss_factor_error = loss_factor_error / loss_factor * float(np.median(loss_factor))
+    return (
+        averaged(
+            frequency, frequency_error, neglected * float(frequency.mean()), averaging, noise_correlation
+        ),
+        averaged(loss_factor, loss_factor_error, neglected, averaging, noise_correlation),
     )
 
 

@@ -53,18 +53,10 @@ def modal_model(
     # constants that are fitted as products say of a DoF no more together than each of them does
     n_products = len(responses.references) if product else 1
     shapes = reference_shapes(constant, np.sqrt(n_products) * error, responses.dofs, responses.references)
-    close = [pair_flags(fit.modes.fit, rows.tolist()) for fit, rows in zip(fits, chosen, strict=True)]
-    pair_flags_of_modes = [
-        pair_flags.get(row, [])
-        for pair_flags, rows in zip(close, chosen, strict=True)
-        for row in rows.tolist()
-    ]
+    pairs = _pair_flags(fits, chosen)
     nodes = [[*_nodes(a, e, responses.frfs)] for a, e in zip(constant, error, strict=True)]
     return ModalModel(
-        modes=tuple(
-            _mode(*mode_rows[n], shapes, n, (*pair_flags_of_modes[n], *nodes[n]))
-            for n in range(len(mode_rows))
-        ),
+        modes=tuple(_mode(*mode_rows[n], shapes, n, (*pairs[n], *nodes[n])) for n in range(len(mode_rows))),
         dofs=responses.dofs,
         references=responses.references,
         normalisation="none" if shapes.scale is None else "mass",
@@ -77,11 +69,7 @@ def modal_model(
         notes=(
             *no_scale(shapes),
             *_notes(fits, chosen),
-            *(
-                [f"{n_modes} modes requested, {len(mode_rows)} found"]
-                if n_modes and len(mode_rows) < n_modes
-                else []
-            ),
+            *_missing_modes(n_modes, len(mode_rows)),
         ),
     )
 
@@ -135,6 +123,21 @@ def _nodes(constant: ComplexArray, error: FloatArray, names: Sequence[str]) -> I
     hidden: BoolArray = size < np.maximum(NODES.standard_errors * error, NODES.relative_size * size.max())
     for j in np.flatnonzero(hidden).tolist():
         yield f"node: {names[j]}"
+
+
+def _pair_flags(fits: Sequence[GlobalFit], chosen: Sequence[IntArray]) -> list[list[str]]:
+    """Return the flags of each mode of the model that overlaps with others."""
+    flags: list[list[str]] = []
+    for fit, rows in zip(fits, chosen, strict=True):
+        flags_by_row = pair_flags(fit.modes.fit, rows.tolist())
+        flags += [flags_by_row.get(row, []) for row in rows.tolist()]
+    return flags
+
+
+def _missing_modes(n_requested: int | None, n_found: int) -> Iterator[str]:
+    """Yield a note where fewer modes were found than requested."""
+    if n_requested and n_found < n_requested:
+        yield f"{n_requested} modes requested, {n_found} found"
 
 
 def _chart(fits: Sequence[GlobalFit], chosen: Sequence[IntArray]) -> StabilisationChart:

@@ -17,7 +17,13 @@ from modallab.extraction.multi_mode.global_method import GlobalMethod, Poles
 from modallab.extraction.multi_mode.leakage_correction import LeakageCorrection, all_starts, corrected_lines
 from modallab.extraction.multi_mode.leaked_modes import with_leakage_errors
 from modallab.extraction.multi_mode.mode_selection import Selection, chart_of, select
-from modallab.extraction.multi_mode.refinement import BandData, StartingPoles, between_ends, refine
+from modallab.extraction.multi_mode.refinement import (
+    BandData,
+    RefinedModes,
+    StartingPoles,
+    between_ends,
+    refine,
+)
 from modallab.extraction.multi_mode.residual_search import refine_with_search
 from modallab.extraction.multi_mode.settings import RANGES, SELECTION
 from modallab.extraction.multi_mode.stabilisation import stabilise
@@ -86,10 +92,7 @@ def modes_of(
         return None
     stability = stabilise(poles)
     selection = select(poles, stability)
-    eigenvalue = np.asarray(selection.frequency**2 * (2 * np.pi) ** 2 * (1 + 1j * selection.loss_factor))
-    start = StartingPoles(eigenvalue, None if band_data.n_ref == 1 else selection.participation)
-    if leaked is not None:
-        start = all_starts(start, leaked, band_data.freq)
+    start = _starting_poles(selection, band_data, leaked)
     if not len(start.eigenvalue):
         return None
     search = refine_with_search if leaked is None else refine  # leakage leaves more than noise
@@ -101,9 +104,7 @@ def modes_of(
     fit, between = refined.fit, between_ends(refined.fit, band_data.freq)
     match = _match(selection, fit, band_data.freq)
     doubts = _doubts(fit, band_data.freq)
-    residual_modes = np.zeros(len(between), bool)
-    for lower, upper in refined.residual_modes:
-        residual_modes |= (fit.frequency >= lower) & (fit.frequency <= upper)
+    residual_modes = _residual_modes(refined)
     if leaked is None:  # with leakage, reference modes need no column
         shown = np.isin(np.arange(len(between)), match) | residual_modes | _with_peaks(fit, clean)
         doubts = [doubt or ("" if seen else NOT_SHOWN) for doubt, seen in zip(doubts, shown, strict=True)]
@@ -120,6 +121,24 @@ def modes_of(
         refined.drifts,
         refined.leakage_bias,
     )
+
+
+def _starting_poles(
+    selection: Selection, band_data: BandData, leaked: LeakageCorrection | None
+) -> StartingPoles:
+    """Return the selected poles, and with leakage its reference modes, as initial values of the fit."""
+    eigenvalue = np.asarray(selection.frequency**2 * (2 * np.pi) ** 2 * (1 + 1j * selection.loss_factor))
+    start = StartingPoles(eigenvalue, None if band_data.n_ref == 1 else selection.participation)
+    return start if leaked is None else all_starts(start, leaked, band_data.freq)
+
+
+def _residual_modes(refined: RefinedModes) -> BoolArray:
+    """Return which modes of a fit were found in the residual of an earlier one, (n_modes,)."""
+    frequency = refined.fit.frequency
+    found = np.zeros(len(frequency), bool)
+    for lower, upper in refined.residual_modes:
+        found |= (frequency >= lower) & (frequency <= upper)
+    return found
 
 
 def _no_modes(left_out: Sequence[DoubtfulMode], fit: ModalFit, modes: BoolArray) -> tuple[DoubtfulMode, ...]:
