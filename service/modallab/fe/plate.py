@@ -1,6 +1,6 @@
 """Flat rectangular plates in bending."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from enum import StrEnum
 
 from modallab.core.errors import StructureError, bounds
@@ -74,27 +74,39 @@ def plate(
             value=[along, across],
             allowed=bounds(1),
         )
-    row = along + 1
-    edge_supports = _edge_supports(along, across, edges or {})
-    corners = [(row * j + i + 1, row * (j + 1) + i + 1) for j in range(across) for i in range(along)]
     return Structure(
-        nodes={
-            row * j + i + 1: (length * i / along, width * j / across)
-            for j in range(across + 1)
-            for i in range(row)
-        },
+        nodes=_grid(length, width, along, across),
         members=(),
         non_bar_members=tuple(
-            Plate(number, (low, low + 1, high + 1, high), thickness, material)
-            for number, (low, high) in enumerate(corners, 1)
+            Plate(number, nodes, thickness, material)
+            for number, nodes in enumerate(_corners(along, across), 1)
         ),
-        supports=(*supports, *edge_supports),
+        supports=(*supports, *_edge_supports(along, across, edges or {})),
         masses=masses,
         springs=springs,
         damping=damping or StructuralDamping(),
         directions=ACROSS,
         name=name,
     )
+
+
+def _grid(length: float, width: float, along: int, across: int) -> dict[int, tuple[float, float]]:
+    """Return X and Y, m, of the nodes by number, row by row."""
+    row = along + 1
+    return {
+        row * j + i + 1: (length * i / along, width * j / across)
+        for j in range(across + 1)
+        for i in range(row)
+    }
+
+
+def _corners(along: int, across: int) -> Iterator[tuple[int, int, int, int]]:
+    """Yield the four nodes of each element, row by row, counter-clockwise from the one nearest to 0, 0."""
+    row = along + 1
+    for j in range(across):
+        for i in range(along):
+            low, high = row * j + i + 1, row * (j + 1) + i + 1
+            yield low, low + 1, high + 1, high
 
 
 def _edge_supports(along: int, across: int, edges: Mapping[Edge, Holding]) -> tuple[Support, ...]:

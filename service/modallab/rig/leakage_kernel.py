@@ -82,34 +82,34 @@ def leak_spectrum(
     n_near = _nearby(shape, n_lines)
     line_distance = np.arange(1 - n_near, n_near)[:, None]
     line_index = line.astype(int)
-    column = np.arange(len(nodes))
-
-    def matrix(rows: FloatArray, values: FloatArray, n_rows: int) -> csr_array:
-        in_band = (rows >= 0) & (rows < n_rows)
-        columns = np.broadcast_to(column, rows.shape)
-        return csr_array(
-            coo_array((values[in_band], (rows[in_band], columns[in_band])), (n_rows, len(nodes)))
-        )
-
     return LeakageKernel(
         nodes,
-        matrix(
+        _matrix(
             line_index + line_distance,
             shape.envelope(line_distance - offset, n_samples) * node_weight,
             n_lines,
         ),
-        matrix(
+        _matrix(
             line_distance - line_index,
             shape.envelope(line_distance + offset, n_samples) * node_weight,
             n_lines,
         ),
-        matrix(
+        _matrix(
             line_index + n_lines * np.arange(LEAKAGE_KERNEL.n_points)[:, None],
             _lagrange(offset) * node_weight,
             LEAKAGE_KERNEL.n_points * n_lines,
         ),
         _far(window, n_lines, n_samples),
         _n_fft(n_lines),
+    )
+
+
+def _matrix(rows: FloatArray, values: FloatArray, n_rows: int) -> csr_array:
+    """Return values (k, n) in given rows (k, n) of their columns, (n_rows, n); rows beyond are left out."""
+    is_inside = (rows >= 0) & (rows < n_rows)
+    columns = np.broadcast_to(np.arange(rows.shape[1]), rows.shape)
+    return csr_array(
+        coo_array((values[is_inside], (rows[is_inside], columns[is_inside])), (n_rows, rows.shape[1]))
     )
 
 

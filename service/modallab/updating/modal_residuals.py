@@ -1,5 +1,6 @@
 """Residuals between measured modes and those of a model, with their derivatives."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -138,16 +139,7 @@ class ModalResiduals:
         table = self._mac(shapes[:, candidates])
         log_frequency_ratio = np.abs(np.log(basis.frequencies[candidates] / target.frequencies[:, None]))
         partner = dict(pair_modes(table - PAIRING.frequency_penalty * log_frequency_ratio, self.min_mac))
-        unpaired = [r for r in range(len(target.squares)) if r not in partner]
-        if unpaired:
-            raise UnderdeterminedError(
-                f"measured mode {unpaired[0] + 1} pairs with no mode of the model",
-                field="modes",
-                value=unpaired[0] + 1,
-                allowed=f"a MAC of {self.min_mac} with a mode of the model",
-            )
-        columns = np.array([partner[r] for r in range(len(target.squares))])
-        modes = candidates[columns]
+        modes = candidates[_columns(partner, len(target.squares), self.min_mac)]
         rotation = self._rotation(shapes[:, modes])
         paired_shapes = shapes[:, modes] @ rotation
         shape_difference = self._scaled_to(paired_shapes) - paired_shapes
@@ -251,6 +243,25 @@ class ModalResiduals:
         if self.target.mass_normalised:
             return measured * np.where(projection.real < 0, -1.0, 1.0)
         return np.asarray(measured * projection / (np.abs(measured) ** 2).sum(axis=0))
+
+
+def _columns(partner: Mapping[int, int], n_modes: int, min_mac: float) -> IntArray:
+    """Return the partner of each measured mode.
+
+    Raises
+    ------
+    UnderdeterminedError
+        If a measured mode has none.
+    """
+    unpaired = [r for r in range(n_modes) if r not in partner]
+    if unpaired:
+        raise UnderdeterminedError(
+            f"measured mode {unpaired[0] + 1} pairs with no mode of the model",
+            field="modes",
+            value=unpaired[0] + 1,
+            allowed=f"a MAC of {min_mac} with a mode of the model",
+        )
+    return np.array([partner[r] for r in range(n_modes)])
 
 
 def _mass_loss(structure: Structure) -> float:

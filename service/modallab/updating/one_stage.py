@@ -28,15 +28,7 @@ def update_in_one_stage(
     progress: Progress,
 ) -> UpdateResult:
     """Return the model corrected to the measured modes, all coefficients at once."""
-    # Any MAC will do for the first pairing: rows of a mode that is paired wrongly have a large misfit and
-    # therefore little weight.
-    fit = ModalResiduals(
-        Assembly(structure, joint_rotations=True),
-        parameterisation,
-        measured,
-        0.0,
-        regularised=options.underdetermined is Underdetermined.REGULARISED,
-    )
+    fit = _residuals(structure, parameterisation, measured, options)
     rule = OneStageRule(Prior(options.prior), options.tolerance, options.max_iterations, options.rank_jump)
     # Samples take much longer than the path that leads to them.
     path_fraction = 0.1 if options.samples else 1.0
@@ -71,6 +63,23 @@ def update_in_one_stage(
             structure, parameterisation, final.values, identifiability if is_valid else None
         ),
         posterior=posterior,
+    )
+
+
+def _residuals(
+    structure: Structure, parameterisation: Parameterisation, measured: TargetModes, options: OneStageOptions
+) -> ModalResiduals:
+    """Return the residuals that are minimised.
+
+    Any MAC will do for the first pairing: rows of a mode that is paired wrongly have a large misfit and
+    therefore little weight.
+    """
+    return ModalResiduals(
+        Assembly(structure, joint_rotations=True),
+        parameterisation,
+        measured,
+        0.0,
+        regularised=options.underdetermined is Underdetermined.REGULARISED,
     )
 
 

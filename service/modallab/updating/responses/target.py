@@ -103,10 +103,7 @@ def target_responses(
     line_coherence = None
     if coherence is not None and averages > RESPONSE_ERRORS.unknown_averages:
         line_coherence = _of_frfs(receptance.values, coherence[lines])
-        if coherence.ndim == 2:  # each further simultaneous force takes up an average
-            averages = max(
-                averages + 1 - size.shape[2], np.nextafter(RESPONSE_ERRORS.unknown_averages, np.inf)
-            )
+        averages = _independent_averages(averages, coherence, size.shape[2])
     errors = _errors(size, line_coherence, averages, noise_floor)
     common_variance = np.zeros(size.shape) if common is None else common[lines]
     # The error by coherence is random itself; the common error is a lower bound of it.
@@ -128,6 +125,13 @@ def target_responses(
         receptance.outputs,
         receptance.inputs,
     )
+
+
+def _independent_averages(averages: float, coherence: FloatArray, n_in: int) -> float:
+    """Return the averages that the random error has; each further simultaneous force takes one."""
+    if coherence.ndim == 3:
+        return averages
+    return max(averages + 1 - n_in, float(np.nextafter(RESPONSE_ERRORS.unknown_averages, np.inf)))
 
 
 def _of_frfs(values: ComplexArray, coherence: FloatArray) -> FloatArray:
