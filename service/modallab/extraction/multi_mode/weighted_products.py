@@ -41,19 +41,41 @@ def grouped_products(
     block = slice(first_line, first_line + len(columns))
     group = groups.group[block]
     first = np.concatenate([[0], np.flatnonzero(np.diff(group)) + 1])
-    number, scaled = group[first], columns * np.sqrt(groups.profile[block])[:, None]
-    n, step = columns.shape[1], max(PROJECTION.products_in_memory // columns.shape[1] ** 2, 1)
-    total = np.zeros((groups.level.shape[1], n * n))
-    lines_of_groups, one = np.split(scaled, first[1:]), np.ones((len(columns), 1))
+    summed = columns[:, ::2] if paired_columns else columns
+    number, scaled = group[first], summed * np.sqrt(groups.profile[block])[:, None]
+    n, products_of = summed.shape[1], _real_and_cross_products if paired_columns else _real_products
+    # real and imaginary part of a line in adjacent rows
+    parts_of_groups = np.split(np.stack([scaled.real, scaled.imag], axis=1).reshape(-1, n), 2 * first[1:])
+    step = max(PROJECTION.products_in_memory // columns.shape[1] ** 2, 1)
+    total: FloatArray | float = 0.0
     for start in range(0, len(first), step):
-        products = np.concatenate(
-            [
-                weighted_products(lines, one[: len(lines)], paired_columns=paired_columns)
-                for lines in lines_of_groups[start : start + step]
-            ]
-        )
-        total += groups.level[number[start : start + step]].T @ products.reshape(len(products), -1)
-    return total.reshape(-1, n, n)
+        products = np.array([products_of(parts) for parts in parts_of_groups[start : start + step]])
+        level = groups.level[number[start : start + step]]
+        total += (level.T @ products.reshape(len(products), -1)).reshape(-1, *products.shape[1:])
+    return _of_pairs(np.asarray(total)) if paired_columns else np.asarray(total)
+
+
+def _real_products(parts: FloatArray) -> FloatArray:
+    """Return the products (n, n) of columns whose parts are in adjacent rows (2 n_lines, n)."""
+    return np.asarray(parts.T @ parts)
+
+
+def _real_and_cross_products(parts: FloatArray) -> FloatArray:
+    """Return `_real_products`, and the products of imaginary with real parts, (2, n, n)."""
+    return np.array([parts.T @ parts, parts[1::2].T @ parts[::2]])
+
+
+def _of_pairs(sums: FloatArray) -> FloatArray:
+    """Return products of columns and of the columns times i, (n_frf, 2 n, 2 n), from sums (n_frf, 2, n, n).
+
+    The sums are those of `_real_and_cross_products`.
+    """
+    n_frf, _, n, _ = sums.shape
+    real, cross = sums[:, 0], sums[:, 1] - sums[:, 1].swapaxes(1, 2)
+    products = np.empty((n_frf, n, 2, n, 2))
+    products[:, :, 0, :, 0] = products[:, :, 1, :, 1] = real
+    products[:, :, 0, :, 1], products[:, :, 1, :, 0] = cross, -cross
+    return products.reshape(n_frf, 2 * n, 2 * n)
 
 
 def _hermitian_products(columns: ComplexArray, weight: FloatArray) -> FloatArray:
