@@ -155,8 +155,10 @@ def a_large_chunk(file: Any, name: str) -> None:
 
 def a_bomb_in_a_chunk(file: Any, name: str) -> None:
     dataset = file.create_dataset(name, (21, 1, 1), "c16", chunks=(21, 1, 1), compression="gzip")
-    packer = zlib.compressobj(9)
-    packed = b"".join(packer.compress(bytes(10_000_000)) for _ in range(100)) + packer.flush()
+    packer, n = zlib.compressobj(9), 10_000_000
+    first = packer.compress(bytes(n)) + packer.flush(zlib.Z_FULL_FLUSH)  # 2 bytes before it; repeats at will
+    adler = (100 * n % 65521 << 16) + 1  # of zeros
+    packed = first + 99 * first[2:] + b"\x03\x00" + adler.to_bytes(4, "big")
     dataset.id.write_direct_chunk((0, 0, 0), packed)
 
 
