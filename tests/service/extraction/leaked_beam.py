@@ -36,6 +36,7 @@ def taken(estimator: str) -> tuple[Measurement, ...]:
     )
 
 
+@cache
 def read(measurement: Measurement, estimator: str, method: str) -> ModalModel:
     return extract(
         measurement.frf,

@@ -7,24 +7,13 @@ from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.extraction.averaging.resynthesis import resynthesise
 from modallab.extraction.extract import extract
-from modallab.extraction.options import Damping, ExtractionOptions
+from modallab.extraction.options import Damping
 from tests.service.extraction.conftest import Beam
+from tests.service.extraction.six_mode_models import six_mode_model
 from tests.service.extraction.test_extract import CLEAN, noise_of
 from tests.synthetic import HAMMERED, HAMMERED_LOSS, PAIR, Synthetic, hammered, six_modes
 
-VISCOUS = ExtractionOptions(damping=Damping.VISCOUS)
 METHOD = "lscf"
-
-
-def read(made: Synthetic, options: ExtractionOptions = VISCOUS, *, measured: bool = True) -> ModalModel:
-    """Return the modes of the six-mode responses, with the coherence of their noise or without any."""
-    dofs = tuple(Dof(node, "Y") for node in range(1, 13))
-    frf = FrfSet(made.freq, made.noisy[:, :, None], dofs, dofs[:1], FrfKind.RECEPTANCE)
-    averages = 1000.0
-    coherence = 1 / (1 + averages * made.variance / np.abs(made.noisy) ** 2)
-    return extract(
-        frf, coherence=coherence if measured else None, averages=averages, method=METHOD, options=options
-    )
 
 
 def scores(model: ModalModel, made: Synthetic) -> np.ndarray:
@@ -42,7 +31,7 @@ def scores(model: ModalModel, made: Synthetic) -> np.ndarray:
 @pytest.mark.parametrize("seed", [0, 1])
 def test_a_pair_one_bandwidth_apart_is_resolved_and_named(seed: int, measured: bool) -> None:
     made = six_modes(40, seed, lower=1.0)
-    model = read(made, measured=measured)
+    model = six_mode_model(40, seed, damping=Damping.VISCOUS, measured=measured)
     assert len(model.modes) == 6
     for m in PAIR:
         assert model.frequencies[m] == pytest.approx(made.frequency[m], rel=1e-3)
@@ -54,8 +43,8 @@ def test_a_pair_one_bandwidth_apart_is_resolved_and_named(seed: int, measured: b
 def test_standard_errors_of_a_pair_cover_the_truth_where_noise_is_high() -> None:
     worst = []
     for seed in range(4):
-        made = six_modes(30, seed, lower=1.0)
-        worst.append(np.abs(scores(read(made), made)))
+        model = six_mode_model(30, seed, damping=Damping.VISCOUS)
+        worst.append(np.abs(scores(model, six_modes(30, seed, lower=1.0))))
     # of 48 standard normal numbers one beyond 4 comes once in 300 such lots; their rms is 1 within 10 %
     assert np.max(worst) < 4
     assert np.sqrt(np.mean(np.square(worst))) == pytest.approx(1.0, abs=0.3)
@@ -63,7 +52,7 @@ def test_standard_errors_of_a_pair_cover_the_truth_where_noise_is_high() -> None
 
 def test_the_wrong_law_of_damping_moves_a_frequency_by_the_square_of_the_damping() -> None:
     made = six_modes(40, 0, lower=1.0)
-    model = read(made, ExtractionOptions(damping=Damping.STRUCTURAL))
+    model = six_mode_model(40, damping=Damping.STRUCTURAL)
     # viscous: |H| peaks, and structural modes with it, at omega_r (1 - zeta^2) at the lowest
     np.testing.assert_allclose(model.frequencies, made.frequency, rtol=5e-4)
     np.testing.assert_allclose(model.loss_factors, made.loss_factor, rtol=2e-2)

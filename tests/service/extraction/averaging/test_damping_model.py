@@ -5,43 +5,29 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from modallab.core.dof import Dof
-from modallab.core.frf import FrfKind, FrfSet
-from modallab.core.modal_model import ModalModel
 from modallab.extraction.averaging.damping_model import select_damping_model
 from modallab.extraction.extract import extract
-from modallab.extraction.options import Damping, ExtractionOptions
+from modallab.extraction.options import Damping
 from tests.service.extraction.conftest import Beam
+from tests.service.extraction.six_mode_models import six_mode_model
 from tests.service.extraction.test_extract import noise_of
 from tests.synthetic import six_modes
-
-AVERAGES = 1000.0
-STRUCTURAL = ExtractionOptions(damping=Damping.STRUCTURAL)
-
-
-def viscous(decibels: float, method: str, options: ExtractionOptions, *, delay: float = 0.0) -> ModalModel:
-    made = six_modes(decibels, 0, lower=1.0)
-    noisy = made.noisy * np.exp(-2j * np.pi * made.freq[:, None] * delay)
-    dofs = tuple(Dof(node, "Y") for node in range(1, 13))
-    frf = FrfSet(made.freq, noisy[:, :, None], dofs, dofs[:1], FrfKind.RECEPTANCE)
-    coherence = 1 / (1 + AVERAGES * made.variance / np.abs(made.noisy) ** 2)
-    return extract(frf, coherence=coherence, averages=AVERAGES, method=method, options=options)
 
 
 @pytest.mark.parametrize("method", ["lscf", "dobson"])
 @pytest.mark.parametrize("decibels", [40, 30])
 def test_viscous_modes_are_read_by_the_viscous_law_unasked(decibels: float, method: str) -> None:
-    model = viscous(decibels, method, ExtractionOptions())
+    model = six_mode_model(decibels, method=method, damping=None)
     assert model.choices["damping"].startswith(
         "viscous: determined from the lines, where modal constants have 1"
     )
-    asked = viscous(decibels, method, ExtractionOptions(damping=Damping.VISCOUS))
+    asked = six_mode_model(decibels, method=method, damping=Damping.VISCOUS)
     np.testing.assert_array_equal(model.frequencies, asked.frequencies)
     assert asked.choices["damping"] == "viscous: as requested"
 
 
 def test_modes_of_the_law_that_was_told_are_where_they_are() -> None:
-    made, model = six_modes(40, 0, lower=1.0), viscous(40, "lscf", ExtractionOptions())
+    made, model = six_modes(40, 0, lower=1.0), six_mode_model(40, damping=None)
     error = [mode.standard_errors["frequency"] for mode in model.modes]
     # of six normal numbers one beyond 3.5 comes once in 360 such tests; the other law moves four by more
     assert (np.abs(model.frequencies - made.frequency) < 3.5 * np.array(error)).all()
@@ -56,7 +42,7 @@ def test_structural_modes_stay_structural(seed: int, plain_beam: Beam, freq: np.
 
 
 def test_the_law_that_is_asked_for_is_taken_whatever_the_lines_tell() -> None:
-    model = viscous(40, "lscf", STRUCTURAL)
+    model = six_mode_model(40, damping=Damping.STRUCTURAL)
     assert model.choices["damping"] == "structural: as requested"
     told = select_damping_model(model)
     assert told.damping is Damping.VISCOUS
@@ -65,12 +51,12 @@ def test_the_law_that_is_asked_for_is_taken_whatever_the_lines_tell() -> None:
 
 def test_a_delay_is_not_taken_for_a_law() -> None:
     # it turns constants by 2 to 15 times what the law does, each mode by another
-    told = select_damping_model(viscous(40, "lscf", STRUCTURAL, delay=-1e-4))
+    told = select_damping_model(six_mode_model(40, damping=Damping.STRUCTURAL, delay=-1e-4))
     assert told.damping is None
 
 
 def test_few_modes_tell_no_law() -> None:
-    model = viscous(40, "lscf", STRUCTURAL)
+    model = six_mode_model(40, damping=Damping.STRUCTURAL)
     alone = replace(
         model,
         modes=model.modes[:2],

@@ -1,30 +1,13 @@
 import numpy as np
 import pytest
 
-from modallab.core.dof import Dof
-from modallab.core.frf import FrfKind, FrfSet
-from modallab.core.modal_model import ModalModel, Mode
+from modallab.core.modal_model import Mode
 from modallab.extraction.extract import extract
-from modallab.extraction.options import Damping, ExtractionOptions
+from modallab.extraction.options import Damping
 from tests.service.extraction.conftest import Beam
+from tests.service.extraction.six_mode_models import six_mode_model
 from tests.service.extraction.test_extract import noise_of
-from tests.synthetic import Synthetic, six_modes
-
-AVERAGES = 1000.0
-
-
-def read(made: Synthetic, damping: Damping, *, measured: bool = True) -> ModalModel:
-    """Return the modes of viscous responses under a law."""
-    dofs = tuple(Dof(node, "Y") for node in range(1, 13))
-    frf = FrfSet(made.freq, made.noisy[:, :, None], dofs, dofs[:1], FrfKind.RECEPTANCE)
-    coherence = 1 / (1 + AVERAGES * made.variance / np.abs(made.noisy) ** 2)
-    return extract(
-        frf,
-        coherence=coherence if measured else None,
-        averages=AVERAGES,
-        method="lscf",
-        options=ExtractionOptions(damping=damping),
-    )
+from tests.synthetic import six_modes
 
 
 def law_flag(mode: Mode) -> float | None:
@@ -36,7 +19,7 @@ def law_flag(mode: Mode) -> float | None:
 @pytest.mark.parametrize("decibels", [40, 30])
 def test_frequencies_that_the_default_law_moves_beyond_their_errors_say_by_how_much(decibels: float) -> None:
     made = six_modes(decibels, 0, lower=1.0)
-    model = read(made, Damping.STRUCTURAL)
+    model = six_mode_model(decibels, damping=Damping.STRUCTURAL)
     off = made.frequency - model.frequencies
     error = np.array([mode.standard_errors["frequency"] for mode in model.modes])
     said = np.array([law_flag(mode) or 0.0 for mode in model.modes])
@@ -47,12 +30,12 @@ def test_frequencies_that_the_default_law_moves_beyond_their_errors_say_by_how_m
 
 
 def test_who_asks_for_the_viscous_law_is_told_nothing_of_it() -> None:
-    model = read(six_modes(30, 0, lower=1.0), Damping.VISCOUS)
+    model = six_mode_model(30, damping=Damping.VISCOUS)
     assert [law_flag(mode) for mode in model.modes] == [None] * 6
 
 
 def test_nothing_is_said_where_no_coherence_tells_the_random_error() -> None:
-    model = read(six_modes(30, 0, lower=1.0), Damping.STRUCTURAL, measured=False)
+    model = six_mode_model(30, damping=Damping.STRUCTURAL, measured=False)
     assert [law_flag(mode) for mode in model.modes] == [None] * 6
 
 
