@@ -83,5 +83,5 @@ class Lab:
             if job_status["state"] == state and job_status["fraction"] >= fraction:
                 return job_status
             assert job_status["state"] in ("queued", "running"), job_status
-            time.sleep(0.02)
+            time.sleep(0.05)
         raise TimeoutError(f"job {job} is not {state}: {job_status}")

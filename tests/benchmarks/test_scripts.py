@@ -27,7 +27,7 @@ SMALL = {
     "gap_without_cause": ["1"],
     "hammer_modes": ["1", "--points", "20", "--lines", "1601"],
     "leaked_errors": ["1", "dobson"],
-    "strange_files": ["--every", "20"],
+    "strange_files": ["--every", "200"],
     "viscous_modes": ["1"],
 }
 # Minutes at any size; their functions run in `test_benches.py`, below and in `tests/end_to_end`.
