@@ -23,7 +23,7 @@ check: setup ## format, lint, types, floors, known vulnerabilities
 	.ci/audit $(BIN)/pip-audit
 
 test: setup ## the whole test suite, with branch coverage
-	$(BIN)/python -m pytest -n 2 --cov --cov-report=term $(if $(CI),--durations=25)
+	$(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder --cov --cov-report=term $(if $(CI),--durations=25)
 
 demo: setup ## chapter 5 of the thesis and a diagnosis, through HTTP
 	$(BIN)/modallab demo
