@@ -33,6 +33,8 @@ class MeasurementMethods:
     """unit^2/Hz, response auto spectra, shaped as `coherence`."""
     input_condition: FloatArray | None = field(repr=False, default=None)
     """1, (n,) condition number of the force spectra, with several simultaneous forces."""
+    force_cross_spectra: ComplexArray | None = field(repr=False, default=None)
+    """N^2/Hz, (n, n_out, n_in, n_in) cross spectra of several simultaneous forces."""
     if TYPE_CHECKING:
         id: str
         kind: Any
@@ -106,7 +108,7 @@ def measurement_of(data: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) 
     """Return a measurement from its JSON and the arrays of its npz file, which may be of another kind."""
     from modallab_client._generated.models import Measurement
 
-    spectra = ("coherence", "force_spectrum", "response_spectrum", "input_condition")
+    spectra = ("coherence", "force_spectrum", "response_spectrum", "input_condition", "force_cross_spectra")
     fields: dict[str, Any] = {name: arrays[name] for name in spectra if name in arrays}
     fields |= {
         name: tuple(map(str, arrays[name])) for name in ("outputs", "inputs", "notes") if name in arrays

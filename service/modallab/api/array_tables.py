@@ -35,7 +35,13 @@ MEASUREMENT = array_replies(
     "FRFs, coherence and auto spectra of a measurement",
     _FRF
     | arrays_of(
-        Measurement, "coherence", "averages", "force_spectrum", "response_spectrum", "input_condition"
+        Measurement,
+        "coherence",
+        "averages",
+        "force_spectrum",
+        "response_spectrum",
+        "input_condition",
+        "force_cross_spectra",
     ),
 )
 STRUCTURE_MODES = array_replies(

@@ -9,6 +9,7 @@ from modallab.core.assumption import Assumption
 from modallab.core.numerics import SAFE_DIVISOR
 from modallab.estimation.error_correlation import ErrorCorrelation
 from modallab.estimation.line_scatter import estimated_averages, estimated_error
+from modallab.estimation.partial_coherence import partial_coherence
 from modallab.estimation.windows import Window
 from modallab.interchange.file_content import FileContent
 from modallab.interchange.settings import READING
@@ -78,7 +79,7 @@ def _above_rest(content: FileContent) -> tuple[ComplexArray, FloatArray]:
     if coherence is None:
         coherence = np.ones(values.shape)
     elif coherence.ndim == 2:
-        coherence = np.broadcast_to(coherence[:, :, None], values.shape)
+        coherence = partial_coherence(values, coherence)
     above = content.frf.freq > 0
     n = int(above.sum())
     return values[above].reshape(n, -1), coherence[above].reshape(n, -1)

@@ -62,6 +62,12 @@ class FileContent:
                     allowed=bounds(maximum=READING.max_magnitude),
                 )
 
+    @property
+    def simultaneous(self) -> bool:
+        """Whether several forces acted at once: FRFs of a response have one coherence, or one spectrum."""
+        arrays = (self.coherence, self.response_spectrum)
+        return len(self.frf.inputs) > 1 and any(array is not None and array.ndim == 2 for array in arrays)
+
     def with_tidy_coherence(self) -> "FileContent":
         """Return the content with coherence of at most 1 but for rounding, and without one of zeros only."""
         coherence = self.coherence

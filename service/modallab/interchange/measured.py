@@ -71,7 +71,8 @@ class MeasuredFile(FileContent):
         """
         window = None if declared.window is None else WINDOWS[declared.window]
         averages, assumed = self._averages(declared, None, window)
-        exciter = declared.exciter or ("hammer" if len(self.frf.inputs) > 1 else "shaker")
+        roved = len(self.frf.inputs) > 1 and not self.simultaneous
+        exciter = declared.exciter or ("hammer" if roved else "shaker")
         analyser, notes = analyser_of(self.frf.freq, averages.value)
         setup = RigSetup(
             drives=self.frf.inputs,

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.arrays import FloatArray
+from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.progress import Progress, silent
@@ -155,8 +155,15 @@ def measurement_of(spectra: CrossSpectra, setup: RigSetup) -> Measurement:
         response_spectrum=by_response(spectra.xx),
         # of all runs the worst: none of the FRFs is worse off
         input_condition=None if condition is None else condition.max(axis=0),
+        force_cross_spectra=None if condition is None else _of_responses(spectra.ff, setup),
         notes=_notes(setup.analyser),
     )
+
+
+def _of_responses(ff: ComplexArray, setup: RigSetup) -> ComplexArray:
+    """Return G_ff (n_run, n_freq, n_in, n_in) of all runs by response, (n_freq, n_out, n_in, n_in)."""
+    run_of_response = [i for i, run in enumerate(setup.acquisition_runs) for _ in run.outputs]
+    return np.asarray(ff[run_of_response].swapaxes(0, 1))
 
 
 def _notes(analyser: Analyser) -> tuple[str, ...]:

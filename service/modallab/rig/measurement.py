@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.arrays import BoolArray, FloatArray, frozen
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, frozen
 from modallab.core.assumption import Assumption
 from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.numerics import COMPARISON_ROUNDING
+from modallab.estimation.partial_coherence import partial_coherence
 from modallab.rig.setup import RigSetup
 
 
@@ -36,6 +37,9 @@ class Measurement:
     """1, relative error of the FRFs as their owner states it, at or above the median."""
     input_condition: FloatArray | None = None
     """1, condition number of G_ff by line (n_freq,), with several simultaneous forces."""
+    force_cross_spectra: ComplexArray | None = None
+    """N^2/Hz, (n_freq, n_out, n_in, n_in), cross spectra G_jk = E[conj(F_j) F_k] of several simultaneous
+    forces, each of the run of that response; the auto spectra on the diagonal."""
     seed: int | None = None
     """Seed of the random numbers; None: not simulated here."""
     route: str | None = None
@@ -54,11 +58,12 @@ class Measurement:
         roved = self.setup.exciter.kind == "hammer" and shape[2] > 1
         response_shape = shape if roved else shape[:2]
         expected = {"coherence": response_shape, "force_spectrum": shape, "response_spectrum": response_shape}
-        expected["input_condition"] = shape[:1]
+        expected |= {"input_condition": shape[:1], "force_cross_spectra": (*shape, shape[2])}
         for name, array_shape in expected.items():
             value = getattr(self, name)
             if value is not None:
-                object.__setattr__(self, name, frozen(value, float, array_shape, name=name))
+                dtype = complex if name == "force_cross_spectra" else float
+                object.__setattr__(self, name, frozen(value, dtype, array_shape, name=name))
         if self.coherence is not None and not (
             (self.coherence >= 0).all() and (self.coherence <= 1 + COMPARISON_ROUNDING).all()
         ):
@@ -78,6 +83,29 @@ class Measurement:
             raise InvalidInputError(
                 "a measurement needs an average", field="averages", value=self.averages, allowed=bounds(1)
             )
+
+    @property
+    def simultaneous_forces(self) -> ComplexArray | None:
+        """(n_freq, n_out, n_in, n_in), N^2/Hz, cross spectra of forces that act at once; None: they do not.
+
+        Forces whose cross spectra were not measured are taken as uncorrelated; without auto spectra, as of
+        equal power, 1 N^2/Hz.
+        """
+        shape, power = self.frf.values.shape, self.force_spectrum
+        if self.setup.n_simultaneous == 1:
+            return None
+        if self.force_cross_spectra is not None:
+            return self.force_cross_spectra
+        power = np.ones(shape) if power is None else power
+        return (power[..., None] * np.eye(shape[2])).astype(complex)
+
+    @property
+    def frf_coherence(self) -> FloatArray | None:
+        """(n_freq, n_out, n_in), coherence of each FRF: the partial one where forces act simultaneously."""
+        g2 = self.coherence
+        if g2 is None or g2.ndim == 3:
+            return g2
+        return partial_coherence(self.frf.values, g2, self.simultaneous_forces)
 
     def to(self, kind: FrfKind) -> "Measurement":
         """Return the same measurement as another kind of FRF: itself where it is of that kind.
@@ -103,7 +131,7 @@ class Measurement:
 
     def by_line(self, change: Callable[[NDArray[Any]], NDArray[Any]]) -> "Measurement":
         """Return the measurement with every array that has a frequency axis changed alike."""
-        names = ("coherence", "force_spectrum", "response_spectrum", "input_condition")
+        names = ("coherence", "force_spectrum", "response_spectrum", "input_condition", "force_cross_spectra")
         arrays: dict[str, Any] = {n: change(array) for n in names if (array := getattr(self, n)) is not None}
         frf = replace(self.frf, freq=change(self.frf.freq), values=change(self.frf.values))
         return replace(self, frf=frf, **arrays)

@@ -76,7 +76,7 @@ class RigSetup:
                         value=str(dof),
                         allowed=["X", "Y", "Z"],
                     )
-        if len(self.drives) > 1 and self.exciter.kind != "hammer":
+        if self.n_simultaneous > 1:
             self._check_told_apart()
 
     def _check_told_apart(self) -> None:
@@ -97,6 +97,16 @@ class RigSetup:
                 value=round(worth, 2),
                 allowed=bounds(n_in, unit="independent records"),
             )
+
+    @property
+    def n_simultaneous(self) -> int:
+        """Number of forces that act at the same time."""
+        return 1 if self.exciter.kind == "hammer" else len(self.drives)
+
+    @property
+    def roving_hammer(self) -> bool:
+        """Whether a hammer strikes several drive points, one after the other."""
+        return self.exciter.kind == "hammer" and len(self.drives) > 1
 
     @property
     def simulated(self) -> "RigSetup":

@@ -69,6 +69,7 @@ def arrays_of(thing: Measurement) -> Arrays:
             "force_spectrum": thing.force_spectrum,
             "response_spectrum": thing.response_spectrum,
             "input_condition": thing.input_condition,
+            "force_cross_spectra": thing.force_cross_spectra,
         }
     )
 
@@ -93,6 +94,7 @@ def _put_measurement(body: Json, arrays: _ArrayMap) -> Measurement:
         force_spectrum=arrays.get("force_spectrum"),
         response_spectrum=arrays.get("response_spectrum"),
         input_condition=arrays.get("input_condition"),
+        force_cross_spectra=arrays.get("force_cross_spectra"),
         seed=body["seed"],
         route=body.get("route"),
         libraries=body.get("libraries", {}),

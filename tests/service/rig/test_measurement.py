@@ -29,7 +29,7 @@ def inertance(request: pytest.FixtureRequest) -> Measurement:
 
 def arrays(measurement: Measurement) -> dict[str, FloatArray]:
     """Return every array that has a frequency axis."""
-    names = ("coherence", "force_spectrum", "response_spectrum", "input_condition")
+    names = ("coherence", "force_spectrum", "response_spectrum", "input_condition", "force_cross_spectra")
     held = {name: getattr(measurement, name) for name in names}
     there = {name: array for name, array in held.items() if array is not None}
     return there | {"freq": measurement.frf.freq, "values": measurement.frf.values}

@@ -89,11 +89,7 @@ def indicators_of(measurement: Measurement, points: int) -> Indicators:
 
 def reciprocity_of(measurement: Measurement) -> ReciprocityCheck:
     """Return the comparison of FRFs whose force and response are exchanged."""
-    frf, coherence = measurement.frf, measurement.coherence
-    # A multiple coherence is of all forces together: it does not give the error of one FRF.
-    if coherence is not None and coherence.shape != frf.values.shape:
-        coherence = None
-    result = reciprocity(frf, coherence=coherence, averages=measurement.averages)
+    result = reciprocity(measurement.frf, coherence=measurement.frf_coherence, averages=measurement.averages)
     columns = (result.scale, result.difference, result.misfit, result.differs)
     pairs = tuple(
         ReciprocalPair(j, k, scale, difference, misfit, differs)

@@ -11,7 +11,7 @@ from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import frf_names
 from modallab.core.numerics import COMPARISON_ROUNDING
-from modallab.estimation.multiple_coherence import coherence_per_force
+from modallab.estimation.partial_coherence import partial_coherence
 from modallab.extraction.options import MIN_LINES
 from modallab.extraction.preprocessing.bands import coherent_lines
 from modallab.extraction.preprocessing.fit_windows import line_variance
@@ -158,4 +158,4 @@ def _coherence(frf: FrfSet, coherence: FloatArray | None) -> FloatArray:
         # A 1 among others is rounded: the mean of all that is closer to 1 than the closest of these.
         least = float(incoherent[incoherent > 0].min())
         bounded = np.where(incoherent > 0, bounded, 1 - least / 2)
-    return bounded if bounded.ndim == 3 else coherence_per_force(frf.values, bounded)
+    return bounded if bounded.ndim == 3 else partial_coherence(frf.values, bounded)

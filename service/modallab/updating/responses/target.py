@@ -10,7 +10,7 @@ from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.numerics import SAFE_SQUARED_DIVISOR
 from modallab.estimation.coherence import frf_error
-from modallab.estimation.multiple_coherence import coherence_per_force
+from modallab.estimation.partial_coherence import partial_coherence
 from modallab.estimation.settings import FORCE_NOISE
 from modallab.updating.responses.settings import RESPONSE_ERRORS
 
@@ -136,7 +136,7 @@ def _independent_averages(averages: float, coherence: FloatArray, n_in: int) -> 
 
 def _of_frfs(values: ComplexArray, coherence: FloatArray) -> FloatArray:
     """Return the coherence of each FRF, (n_lines, n_out, n_in); without `n_in` it is the multiple one."""
-    return coherence if coherence.ndim == 3 else coherence_per_force(values, coherence)
+    return coherence if coherence.ndim == 3 else partial_coherence(values, coherence)
 
 
 def _errors(
