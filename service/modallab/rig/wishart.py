@@ -10,7 +10,11 @@ from modallab.rig.wishart_forces import wishart_of_several_forces
 
 
 def wishart_spectra(
-    spectra: CrossSpectra, rng: np.random.Generator, n_tests: int = 1, *, signal: FloatArray | None = None
+    spectra: CrossSpectra,
+    rng: np.random.Generator,
+    n_tests: int = 1,
+    *,
+    signal: FloatArray | ComplexArray | None = None,
 ) -> CrossSpectra:
     """Return random spectra with the distribution of averages of Gaussian records.
 
@@ -28,7 +32,8 @@ def wishart_spectra(
     n_tests
         How often the test is repeated; the runs of a test follow one another.
     signal
-        (n_run, n_freq) G_ff without its noise, N^2/Hz; None: there is none. Of one force alone.
+        (n_run, n_freq) G_ff without its noise, N^2/Hz, of several forces (n_run, n_freq, n_in, n_in); None:
+        there is no noise.
 
     Returns
     -------
@@ -36,11 +41,11 @@ def wishart_spectra(
     """
     n_run, n_freq, n_in, n_out = spectra.fx.shape
     if n_in > 1:
-        return wishart_of_several_forces(spectra, rng, n_tests)
+        return wishart_of_several_forces(spectra, rng, n_tests, signal=signal)
     ff = np.empty((n_tests, n_run, n_freq))
     fx = np.empty((n_tests, n_run, n_freq, n_out), complex)
     xx = np.empty((n_tests, n_run, n_freq, n_out))
-    hidden = None if signal is None or n_out == 1 else _unmeasured_signal(spectra, signal)
+    hidden = None if signal is None or n_out == 1 else _unmeasured_signal(spectra, signal.real)
     law = _SingleForceLaw(spectra) if hidden is None else _NoisyForceLaw(spectra, hidden)
     batch = max(1, WISHART.single_force_block // (n_run * n_freq * n_out))
     for start in range(0, n_tests, batch):

@@ -66,16 +66,18 @@ def gain_of(spectra: CrossSpectra, clean: ComplexArray, force_noise: float, run:
     return np.concatenate([force[:, None], response], axis=1)
 
 
-def signal_of(spectra: CrossSpectra, clean: ComplexArray, force_noise: FloatArray) -> FloatArray | None:
-    """Return G_ff without its noise, (n_run, n_freq); None with several forces.
+def signal_of(
+    spectra: CrossSpectra, clean: ComplexArray, force_noise: FloatArray
+) -> FloatArray | ComplexArray:
+    """Return G_ff without its noise, (n_run, n_freq), of several forces (n_run, n_freq, n_in, n_in).
 
     Parameters
     ----------
     clean, force_noise
         As of `noncentral_wishart_spectra`.
     """
-    if spectra.ff.shape[2] > 1:
-        return None
+    if (n_in := spectra.ff.shape[2]) > 1:
+        return clean[..., : n_in**2].reshape(spectra.ff.shape)
     gains = [gain_of(spectra, clean[run], noise, run)[:, 0] for run, noise in enumerate(force_noise)]
     return np.asarray(np.abs(gains) ** 2 * clean[:, :, 0].real)
 
