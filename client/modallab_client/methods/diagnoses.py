@@ -57,7 +57,7 @@ class DiagnosisCurves:
     random_error: FloatArray
     """of |H|, relative"""
     held_out: "NDArray[np.bool_]"
-    """(n_out,), (n_out, n_in) with a roving hammer"""
+    """(n_out,), (n_out, n_in) with several drive points"""
     outputs: tuple[str, ...]
     inputs: tuple[str, ...]
     predicted: ComplexArray | None = None

@@ -186,8 +186,8 @@ def _first_prediction(
     start = fit(predictor, ())
     outliers = set[FrfSelection]()
     if tolerances != NO_TOLERANCES:
-        roving_hammer = len(first.setup.drives) > 1
-        outliers = set(outlying_frfs(predictor.observed, start.residual, roving_hammer=roving_hammer))
+        frfs = outlying_frfs(predictor.observed, start.residual, roving_hammer=first.setup.roving_hammer)
+        outliers = set(frfs)
     named, _ = select_held_out(structure, first, 0.0, hold_out, seed)
     if outliers & (set(held_out) - set(named)):
         held_out, _ = select_held_out(structure, first, hold_out_fraction, hold_out, seed, spared=outliers)

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from modallab.core.arrays import FloatArray
+from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.dof import Dof
 from modallab.core.place import Members
 from modallab.diagnosis.fitting.fit import Fit
@@ -28,7 +28,7 @@ from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.diagnosis.test_design.proposal import equivalent_fits, named_fit
 from modallab.fe.structure import Structure
 from modallab.rig.effect import Effect
-from modallab.rig.frf_channel import FrfLayout
+from modallab.rig.frf_channel import FrfLayout, stands_for_response
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 
@@ -159,16 +159,34 @@ def curves(
         inputs=measurement.frf.inputs,
         predicted=predicted,
         predicted_outputs=unmeasured,
-        force=_spectra(observed.force, initial.force, final.force, observed.force_variance),
+        force=_spectra(
+            observed.force, initial.force, final.force, observed.force_variance, _forces_in_order(observed)
+        ),
         incoherent=_spectra(
-            observed.incoherent, initial.incoherent, final.incoherent, observed.incoherent_variance
+            observed.incoherent,
+            initial.incoherent,
+            final.incoherent,
+            observed.incoherent_variance,
+            np.flatnonzero(stands_for_response(observed.channels)),
         ),
     )
 
 
+def _forces_in_order(observed: Observed) -> IntArray:
+    """Return the force spectra drive point by drive point, as the FRFs of a result are."""
+    drives = list(dict.fromkeys(channel.drive for channel in observed.channels))
+    first = np.unique(observed.forces, return_index=True)[1]
+    return np.argsort([drives.index(observed.channels[i].drive) for i in first], kind="stable")
+
+
 def _spectra(
-    measured: FloatArray | None, initial: FloatArray, final: FloatArray, variance: FloatArray | float | None
+    measured: FloatArray | None,
+    initial: FloatArray,
+    final: FloatArray,
+    variance: FloatArray | float | None,
+    columns: IntArray,
 ) -> Spectra | None:
     if measured is None or variance is None:
         return None
-    return Spectra(measured, initial, final, np.sqrt(np.broadcast_to(variance, measured.shape)))
+    error = np.sqrt(np.broadcast_to(variance, measured.shape))
+    return Spectra(*(array[:, columns] for array in (measured, initial, final, error)))

@@ -75,7 +75,7 @@ class DiagnosisCurves:
     random_error: FloatArray
     """(n_freq, n_out, n_in), relative random error of |H|."""
     held_out: BoolArray
-    """(n_out,), True for responses that took no part in any fit; (n_out, n_in) with a roving hammer."""
+    """(n_out,), True for responses that took no part in any fit; (n_out, n_in) with several drive points."""
     outputs: tuple[Dof, ...]
     """Measured responses."""
     inputs: tuple[Dof, ...]
@@ -85,7 +85,7 @@ class DiagnosisCurves:
     predicted_outputs: tuple[Dof, ...] = ()
     """DoFs of `predicted`."""
     force: Spectra | None = None
-    """N^2/Hz, force spectrum of each run."""
+    """N^2/Hz, force spectrum of each run, or of each of several shakers."""
     incoherent: Spectra | None = None
     """(m/s^2)^2/Hz, part of each response spectrum that is not coherent with the force."""
 

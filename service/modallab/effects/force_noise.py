@@ -46,8 +46,10 @@ class ForceNoise(Effect):
 
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
-        """Return the rig as a whole; nowhere if no noise is declared that there could be more of."""
-        return () if setup.noise.force is None else (None,)
+        """Return all force gauges, and each of several shakers; nowhere if no noise is declared."""
+        if setup.noise.force is None:
+            return ()
+        return (None, *(dof.point for dof in setup.drives)) if setup.n_simultaneous > 1 else (None,)
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:

@@ -138,8 +138,9 @@ class Effect(Parameterised):
 
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
-        """Return the possible places of the effect in a test."""
-        return (None,)
+        """Return the possible places of the effect in a test; that of shakers is at all or at each."""
+        shakers = setup.drives if cls.at_drive and setup.n_simultaneous > 1 else ()
+        return (None, *(dof.point for dof in shakers))
 
     def scan_values(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
         """Return trial values by parameter, for those that depend on structure or band.

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import BoolArray, IntArray
 from modallab.core.dof import Dof
 from modallab.rig.setup import RigSetup
 
@@ -20,7 +21,7 @@ class FrfChannel:
     drive: Dof
     """DoF of the force."""
     run: int
-    """Number of the run, from 0; FRFs of one run share the record of the force."""
+    """Number of the run, from 0; FRFs of one run share the records of its forces."""
 
     @property
     def at_drive_point(self) -> bool:
@@ -32,12 +33,28 @@ class FrfChannel:
 
 
 def frf_channels(setup: RigSetup) -> tuple[FrfChannel, ...]:
-    """Return the FRFs of a test with one force a run, run by run."""
+    """Return the FRFs of a test, run by run and in each run force by force."""
     return tuple(
-        FrfChannel(response, acquisition_run.drive, i)
+        FrfChannel(response, drive, i)
         for i, acquisition_run in enumerate(setup.acquisition_runs)
+        for drive in acquisition_run.drives
         for response in acquisition_run.outputs
     )
+
+
+def force_numbers(channels: Sequence[FrfChannel]) -> IntArray:
+    """Return the number of each FRF's force spectrum, (n_channels,): one for each drive of each run."""
+    forces = list(dict.fromkeys((channel.run, channel.drive.point) for channel in channels))
+    return np.array([forces.index((channel.run, channel.drive.point)) for channel in channels])
+
+
+def stands_for_response(channels: Sequence[FrfChannel]) -> BoolArray:
+    """Return the FRFs (n_channels,) that are the first of their response in their run.
+
+    Simultaneous forces have one response spectrum in common: it counts once.
+    """
+    keys = [(channel.run, channel.response.point) for channel in channels]
+    return np.array([keys.index(key) == i for i, key in enumerate(keys)])
 
 
 @dataclass(frozen=True)
@@ -62,9 +79,12 @@ class FrfLayout:
         )
 
     def by_channel(self, array: NDArray[Any]) -> NDArray[Any]:
-        """Return an array (n_freq, n_out, n_in), or (n_freq, n_out) of one input, as (n_freq, n_channels)."""
-        values = array[..., None] if array.ndim == 2 else array  # 2: one value a response
-        return values[:, list(self.rows), list(self.columns)]
+        """Return an array (n_freq, n_out, n_in) as (n_freq, n_channels).
+
+        One of responses alone, (n_freq, n_out), is the same for all forces that act at once.
+        """
+        rows = list(self.rows)
+        return array[:, rows] if array.ndim == 2 else array[:, rows, list(self.columns)]  # 2: a response
 
     def by_dofs(self, array: NDArray[Any]) -> NDArray[Any]:
         """Return an array (.., n_channels) as (.., n_out, n_in)."""

@@ -20,9 +20,9 @@ class VarianceFactors:
     """Variances over those of averages of independent Gaussian records, to first order in 1/n."""
 
     force: FloatArray
-    """(n_run, n_freq) variance of ln G_ff."""
+    """(n_run, n_freq), with several forces (n_run, n_freq, n_in), variance of ln G_ff."""
     frf: FloatArray
-    """(n_run, n_freq, n_out) variance of H1."""
+    """(n_run, n_freq, n_out), with several forces (n_run, n_freq, n_out, n_in), variance of H1."""
     response: FloatArray
     """(n_run, n_freq, n_out) variance of ln G_xx (1 - coherence)."""
     # Where distortion comes in bursts: how far off its expectation each of these lies in some tests,

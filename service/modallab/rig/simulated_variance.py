@@ -13,6 +13,7 @@ from modallab.core.numerics import COHERENCE_ROUNDING
 from modallab.estimation.averaging import Averager, effective_averages
 from modallab.estimation.coherence import coherence
 from modallab.estimation.estimators.h1 import h1
+from modallab.estimation.partial_coherence import coherence_of_frfs
 from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.chain import Chain
 from modallab.rig.effect import Effect
@@ -92,10 +93,22 @@ def simulated_factors(
     Parameters
     ----------
     spectra
-        `expected_spectra(chain)`, one force a run.
+        `expected_spectra(chain)`.
     repeats
         Number of simulated tests.
+
+    Raises
+    ------
+    InvalidInputError
+        If a roving sensor follows several simultaneous forces, which is not simulated.
     """
+    if chain.n_in > 1 and len(chain.runs) > 1:
+        raise InvalidInputError(
+            "bursts of distortion are not simulated with a roving accelerometer and several forces",
+            field="accelerometers.roving",
+            value=True,
+            allowed=False,
+        )
     n = min(chain.setup.analyser.simulated_averages, SIMULATED_VARIANCE.max_averages)
     if len(chain.runs) > 1:
         chain = _single_run(chain)
@@ -107,19 +120,20 @@ def simulated_factors(
     g2 = coherence(spectra)
     incoherent = spectra.xx * (1 - g2 + COHERENCE_ROUNDING)
     # Standard error of H1 in one average by the test's own coherence, as a fit will weight it.
-    test_coherence = np.array([coherence(test) for test in tests])
+    test_coherence = np.array([_frf_coherence(test) for test in tests])
     error = np.sqrt(
         (1 - test_coherence + COHERENCE_ROUNDING) / np.maximum(test_coherence, COHERENCE_ROUNDING)
     )
     force, response = (np.array(part) for part in zip(*(_powers(test) for test in tests), strict=True))
     # digamma(n) - ln(n) is the mean of the logarithm of an average of Gaussian records.
-    force = np.log(force / spectra.ff[:, :, 0, 0].real) - digamma(effective) + np.log(effective)
-    response = np.log(response / incoherent) - digamma(max(effective - 1, 0.5)) + np.log(effective)
-    frf: ComplexArray = np.log(np.array([h1(test)[..., 0] for test in tests]) / h1(spectra)[..., 0])
+    force = np.log(force / _powers(spectra)[0]) - digamma(effective) + np.log(effective)
+    conditional = effective - (chain.n_in - 1)  # each further force takes up an average
+    response = np.log(response / incoherent) - digamma(max(conditional - 1, 0.5)) + np.log(effective)
+    frf: ComplexArray = np.log(np.array([_frfs(test) for test in tests]) / _frfs(spectra))
     factors = VarianceFactors(
         _factor(force, polygamma(1, effective), share),
-        _factor(frf / error, 1 / max(effective - 2, 1), share),
-        _factor(response, polygamma(1, max(effective - 1, 0.5)), share),
+        _factor(frf / error, 1 / max(conditional - 2, 1), share),
+        _factor(response, polygamma(1, max(conditional - 1, 0.5)), share),
         (_rescaled_scatter(force, share), _rescaled_scatter(frf, share), _rescaled_scatter(response, share)),
     )
     if chain.source.continuous == 0:
@@ -131,8 +145,23 @@ def simulated_factors(
 
 
 def _powers(spectra: CrossSpectra) -> tuple[FloatArray, FloatArray]:
-    """Return G_ff of one force and the incoherent response spectra."""
-    return spectra.ff[:, :, 0, 0].real, spectra.xx * (1 - coherence(spectra) + COHERENCE_ROUNDING)
+    """Return the auto spectra of the forces, of one force without their axis, and the incoherent ones."""
+    own = np.arange(spectra.ff.shape[2])
+    force = spectra.ff[..., own, own].real
+    incoherent = spectra.xx * (1 - coherence(spectra) + COHERENCE_ROUNDING)
+    return force[..., 0] if len(own) == 1 else force, incoherent
+
+
+def _frfs(spectra: CrossSpectra) -> ComplexArray:
+    """Return H1 (n_run, n_freq, n_out, n_in), without the axis of the forces if there is one."""
+    h = h1(spectra)
+    return h[..., 0] if h.shape[3] == 1 else h
+
+
+def _frf_coherence(spectra: CrossSpectra) -> FloatArray:
+    """Return the coherence of each FRF, shaped as `_frfs`: the partial one with several forces."""
+    of_frfs = coherence_of_frfs(spectra, h1(spectra), coherence(spectra))
+    return of_frfs[..., 0] if of_frfs.shape[3] == 1 else of_frfs
 
 
 def _single_run(chain: Chain) -> Chain:

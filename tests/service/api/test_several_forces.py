@@ -28,8 +28,69 @@ def test_two_shakers_measure_a_matrix_of_frfs_and_say_how_well_they_are_told_apa
     assert arrays["coherence"].shape == (101, 3)
     assert arrays["input_condition"].shape == (101,)
     assert (arrays["input_condition"] >= 1).all()
-    problem = service.post("/v1/diagnoses", {"structure_id": beam, "measurement_id": measured}, status=422)
-    assert problem["context"]["field"] == "inputs"
+    assert arrays["force_cross_spectra"].shape == (101, 3, 2, 2)
+
+
+@pytest.fixture(scope="module")
+def loaded_beam(service: Any, beam: str) -> str:
+    """The beam with 30 g that no model has, driven by two shakers at once."""
+    analyser = {
+        "frequency_max": 400.0,
+        "n_lines": 101,
+        "averages": 40,
+        "excitation": {"kind": "periodic_random"},
+    }
+    noise = {"force": 1e-4, "response": 1e-4}
+    responses = [f"{node}:+Y" for node in (1, 5, 9, 13, 16, 21)]
+    rig = {"drives": ["1:+Y", "16:+Y"], "responses": responses, "analyser": analyser, "noise": noise}
+    mass = {"kind": "extra_mass", "at": "9:+Y", "parameters": {"mass": 0.03}}
+    body = {"structure_id": beam, "rig_id": service.post("/v1/rigs", rig)["id"], "effects": [mass], "seed": 1}
+    return str(service.result_of("/v1/measurements", body))
+
+
+SUSPECTS = ["extra_mass", "stiffness_error", "gain_error", "exciter_armature"]
+
+
+def _assert_mass_named(service: Any, diagnosis: str) -> Any:
+    found = service.get(f"/v1/diagnoses/{diagnosis}")
+    assert found["verdict"] == "explained"
+    (step,) = found["steps"]
+    assert (step["effect"]["kind"], step["effect"]["at"]) == ("extra_mass", "9:+Y")
+    mass = step["effect"]["parameters"]["mass"]
+    # four standard errors, one time in 16,000 beyond
+    assert abs(mass["value"] - 0.03) < 4 * mass["standard_error"]
+    return found
+
+
+def test_a_diagnosis_of_two_shakers_names_what_is_hidden(service: Any, beam: str, loaded_beam: str) -> None:
+    body = {"structure_id": beam, "measurement_id": loaded_beam, "suspects": SUSPECTS}
+    diagnosis = service.result_of("/v1/diagnoses", body)
+    _assert_mass_named(service, diagnosis)
+    curves = _npz(service, f"/v1/diagnoses/{diagnosis}/arrays")
+    assert curves["measured"].shape == (101, 6, 2)
+    assert curves["force.measured"].shape == (101, 2)
+    assert curves["incoherent.measured"].shape == (101, 6)
+    report = service.request("GET", f"/v1/diagnoses/{diagnosis}/report").text
+    assert "6 responses to simultaneous forces at 1:+Y, 16:+Y" in report
+    assert "hammer at" not in report
+
+
+@pytest.mark.parametrize("path", ["arrays", "frf.uff"])
+def test_a_file_of_two_shakers_without_a_rig_is_diagnosed(
+    service: Any, beam: str, loaded_beam: str, path: str
+) -> None:
+    content = service.request("GET", f"/v1/measurements/{loaded_beam}/{path}").content
+    name = "test.npz" if path == "arrays" else "test.uff"
+    reply = service.request(
+        "POST", "/v1/measurements/import", files=[("file", (name, content))], data={"averages": "40"}
+    )
+    assert reply.status_code == 201, reply.text
+    imported = reply.json()
+    assert imported["rig"]["exciter"]["kind"] == "shaker"
+    assert imported["inputs"] == ["1:+Y", "16:+Y"]
+    body = {"structure_id": beam, "measurement_id": imported["id"], "suspects": SUSPECTS}
+    found = _assert_mass_named(service, service.result_of("/v1/diagnoses", body))
+    assert any("uncorrelated" in note for note in found["notes"])
 
 
 @pytest.mark.parametrize(

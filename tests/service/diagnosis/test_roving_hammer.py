@@ -7,11 +7,9 @@ import numpy as np
 import pytest
 
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
 from modallab.core.place import Channels, Members
 from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.localisation.evidence import collect_evidence
-from modallab.diagnosis.predicting.comparability import check_comparable
 from modallab.diagnosis.predicting.held_out import select_held_out
 from modallab.diagnosis.predicting.limitations import limitations
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
@@ -195,13 +193,3 @@ def test_reciprocity_is_used_where_there_is_one_response_and_tested_where_there_
     assert "equal within random error" in said((1, 9), (1, 9))
     # 0.1 over 1.05 is 9.5 %, to the random error of the lines at the peaks
     assert "not reciprocal at 1 of 1 pair of points: 1:+Y and 9:+Y by 9." in said((1, 9), (1, 9), 1.1)
-
-
-def test_simultaneous_shakers_are_refused_with_what_to_do() -> None:
-    setup = replace(
-        hammer((1, 21), (1, 9)), exciter=Exciter(), analyser=Analyser(excitation=ExcitationSetting("random"))
-    )
-    test = struck_beam(setup, (), route=Route.EXPECTED)
-    with pytest.raises(InvalidInputError, match="roving hammer") as refused:
-        check_comparable(steel_beam(), test)
-    assert refused.value.context["value"] == ["1:+Y", "21:+Y"]

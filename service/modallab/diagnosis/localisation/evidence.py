@@ -27,7 +27,7 @@ def collect_evidence(predictor: SingleTestPredictor, effects: Sequence[Effect]) 
         outputs=observed.outputs,
         drive=predictor.setup.drive,
         frf=remainder.frf,
-        force=None if remainder.force is None else remainder.force[:, observed.runs],
+        force=None if remainder.force is None else remainder.force[:, observed.forces],
         response=remainder.response,
         coherence_drop=np.where(observed.usable, predicted.coherence - observed.coherence, 0.0),
         weight=observed.fitted.astype(float),

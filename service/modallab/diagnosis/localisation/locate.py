@@ -17,6 +17,7 @@ from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredic
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.residual import gap_errors
 from modallab.diagnosis.result import GapPattern, Localisation
+from modallab.rig.frf_channel import stands_for_response
 
 
 def locate(predictor: Predictor, evidence: Evidence) -> Localisation:
@@ -43,9 +44,8 @@ def locate(predictor: Predictor, evidence: Evidence) -> Localisation:
     carrier = _carrier(gaps, parts)
     # Where the FRFs agree, bands and responses are those of the part that does not.
     part = residual.rescaled[carrier]
-    by_run = part.shape[1] != usable.shape[1]
-    squares = np.abs(part[:, first.observed.runs] if by_run else part) ** 2 * usable
-    by_line, by_channel = (_mean(squares, usable, axis) for axis in (1, 0))
+    squares = np.abs(part[:, first.observed.forces] if carrier == "force" else part) ** 2 * usable
+    by_line, by_channel = _mean(squares, usable, 1), _by_record(first.observed, _mean(squares, usable, 0))
     bands = _bands(first.observed.freq, by_line)
     n_modes = min(LOCALISATION.max_modes, len(evidence.mode_frequency)) if "frf" in parts else 0
     modes = range(1, n_modes + 1)
@@ -80,6 +80,15 @@ def _mean(squares: FloatArray, usable: BoolArray, axis: int) -> FloatArray:
     return np.asarray(squares.sum(axis=axis) / np.maximum(usable.sum(axis=axis), 1))
 
 
+def _by_record(observed: Observed, by_channel: FloatArray) -> FloatArray:
+    """Return the mean squares (n_out,) of FRFs; of those to simultaneous forces that of the response."""
+    if observed.n_simultaneous == 1:
+        return by_channel
+    records = [(channel.run, channel.response) for channel in observed.channels]
+    same = np.array([[record == other for other in records] for record in records])
+    return np.asarray(same @ by_channel / same.sum(axis=1))
+
+
 def _bands(freq: FloatArray, by_line: FloatArray) -> tuple[tuple[float, float], ...]:
     """Return the bands, Hz, whose smoothed mean squared residual is high."""
     n = LOCALISATION.band_separation
@@ -91,7 +100,7 @@ def _bands(freq: FloatArray, by_line: FloatArray) -> tuple[tuple[float, float], 
 
 
 def _dofs(observed: Observed, squares: FloatArray) -> tuple[Dof, ...]:
-    """Return the responses, and the points that a roving hammer struck, with a high mean squared residual."""
+    """Return the responses, and the points of several forces, with a high mean squared residual."""
     responses, drives = (
         {dof: [dof == getattr(channel, side) for channel in observed.channels] for dof in dofs}
         for side, dofs in (
@@ -142,9 +151,12 @@ def _patterns(
         yield GapPattern.FORCE_ONLY
     if carrier == "response":
         yield GapPattern.COHERENCE_ONLY
-    if carrier in ("frf", "response") and _one_disagrees(by_channel):
-        worst = first.observed.channels[int(by_channel.argmax())]
-        yield GapPattern.DRIVE_POINT_ONLY if worst.at_drive_point else GapPattern.ONE_RESPONSE
+    channels = first.observed.channels
+    if carrier in ("frf", "response") and _one_disagrees(by_channel[stands_for_response(channels)]):
+        worst = channels[int(by_channel.argmax())]
+        record = [c for c in channels if (c.run, c.response) == (worst.run, worst.response)]
+        at_drive_point = any(channel.at_drive_point for channel in record)
+        yield GapPattern.DRIVE_POINT_ONLY if at_drive_point else GapPattern.ONE_RESPONSE
     if carrier is not None and by_line.max() > LOCALISATION.disagreement:
         low, high = span(first.observed.freq, by_line)
         if high < LOCALISATION.band_end * first.observed.freq[-1]:

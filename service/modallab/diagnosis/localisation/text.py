@@ -11,7 +11,7 @@ from modallab.core.numerics import SAFE_DIVISOR
 from modallab.diagnosis.localisation.settings import STATEMENTS
 from modallab.diagnosis.residuals.residual import Residual
 from modallab.diagnosis.result import ChannelError, GapPattern, Localisation, ModeShift, ResponseMisfit
-from modallab.rig.frf_channel import FrfChannel
+from modallab.rig.frf_channel import FrfChannel, stands_for_response
 
 PARTS = {"frf": "FRFs", "force": "force spectra", "response": "response spectra"}
 # With these patterns the disagreement does not come from the modes of the structure.
@@ -56,14 +56,19 @@ class GapDistribution:
     by_line: FloatArray
     """(n_freq,), mean squared residual of each line."""
     by_channel: FloatArray
-    """(n_out,), mean squared residual of each FRF."""
+    """(n_out,), mean squared residual of each FRF, or of all FRFs of its response to simultaneous forces."""
     residual: Residual
     """Residual of the prediction without added effects."""
 
     @property
-    def roving_hammer(self) -> bool:
-        """Whether a hammer struck several points."""
+    def several_forces(self) -> bool:
+        """Whether forces acted at several points."""
         return len({channel.drive for channel in self.channels}) > 1
+
+    @property
+    def roving_hammer(self) -> bool:
+        """Whether forces acted at several points one after the other."""
+        return self.several_forces and bool(stands_for_response(self.channels).all())
 
 
 def span(freq: FloatArray, by_line: FloatArray) -> tuple[float, float]:
@@ -91,7 +96,7 @@ def with_statements(
         words.append("bands: " + ", ".join(f"{low:.4g} to {high:.4g} Hz" for low, high in bands))
     if localisation.dofs and len(localisation.dofs) < len(distribution.channels):
         dofs = ", ".join(map(str, localisation.dofs))
-        words.append(f"{'points' if distribution.roving_hammer else 'responses'}: {dofs}")
+        words.append(f"{'points' if distribution.several_forces else 'responses'}: {dofs}")
     return replace(localisation, words=tuple(words))
 
 
@@ -171,9 +176,11 @@ def _channel_errors(localisation: Localisation) -> list[str]:
     for error in ChannelError:
         misfits = [misfit for misfit in localisation.responses if misfit.course is error]
         if misfits and len(misfits) <= max(1, len(localisation.responses) // 2):
-            roving_hammer = len({misfit.drive for misfit in localisation.responses}) > 1
+            several_forces = len({misfit.drive for misfit in localisation.responses}) > 1
             statements += [
-                _channel_error(misfit, f"{misfit.dof} / {misfit.drive}" if roving_hammer else str(misfit.dof))
+                _channel_error(
+                    misfit, f"{misfit.dof} / {misfit.drive}" if several_forces else str(misfit.dof)
+                )
                 for misfit in misfits[: STATEMENTS.max_items]
             ]
     return statements

@@ -55,23 +55,23 @@ def select_held_out(
             allowed=bounds(0, HOLD_OUT.max_fraction),
         )
     setup, channels = measurement.setup, frf_channels(measurement.setup)
-    roving_hammer = len(setup.drives) > 1
-    named = {dof: frfs_at(dof, setup.drives, measurement.frf.outputs) for dof in requested}
+    named = {dof: frfs_at(dof, setup) for dof in requested}
     for dof in requested:
         structure.index(dof)
     held_out = list(dict.fromkeys(frfs for frfs in named.values() if frfs is not None))
     unmeasured = tuple(dof for dof, frfs in named.items() if frfs is None)
-    singles = single_frfs(channels, roving_hammer=roving_hammer)
-    taken = [any(frfs.selects(channel) for frfs in held_out) for channel in channels]
-    n_random = int(fraction * len(channels)) - sum(taken)
-    if len(channels) >= HOLD_OUT.min_responses and n_random > 0:
+    singles = list(dict.fromkeys(single_frfs(channels, roving_hammer=setup.roving_hammer)))
+    selected = [[channel for channel in channels if single.selects(channel)] for single in singles]
+    taken = [any(frfs.selects(frf) for frfs in held_out for frf in group) for group in selected]
+    n_random = int(fraction * len(singles)) - sum(taken)
+    if len(singles) >= HOLD_OUT.min_responses and n_random > 0:
         observed = observe(measurement, (), fraction=0.0)
         residual = SingleTestPredictor.of(structure, setup, observed).residual(())
-        excluded = {*outlying_frfs(observed, residual, roving_hammer=roving_hammer), *spared}
+        excluded = {*outlying_frfs(observed, residual, roving_hammer=setup.roving_hammer), *spared}
         free = [
             single
-            for single, channel, is_taken in zip(singles, channels, taken, strict=True)
-            if not is_taken and not channel.at_drive_point
+            for single, group, is_taken in zip(singles, selected, taken, strict=True)
+            if not is_taken and not any(channel.at_drive_point for channel in group)
         ]
         free = [single for single in free if single not in excluded] or free
         size = min(n_random, len(free))

@@ -51,13 +51,14 @@ def _of_reciprocity(measurement: Measurement) -> Iterator[str]:
     frf, n_in = measurement.frf, len(measurement.frf.inputs)
     if len(frf.outputs) == 1:
         yield (
-            f"one response, {frf.outputs[0]}, to a hammer at {n_in} points: by reciprocity as good as {n_in} "
+            f"one response, {frf.outputs[0]}, to {_forces(measurement)}: by reciprocity as good as {n_in} "
             "responses to one force; reciprocity itself is not tested"
         )
         return
-    compared = reciprocity(frf, coherence=measurement.coherence, averages=measurement.averages)
+    compared = reciprocity(frf, coherence=measurement.frf_coherence, averages=measurement.averages)
     if not compared.pairs:
-        yield "no two points were both struck and measured: reciprocity is not tested"
+        struck = "struck" if measurement.setup.exciter.kind == "hammer" else "driven"
+        yield f"no two points were both {struck} and measured: reciprocity is not tested"
         return
     names = [f"{first} and {second}" for first, second in compared.pairs]
     differences = [
@@ -80,6 +81,11 @@ def _of_reciprocity(measurement: Measurement) -> Iterator[str]:
         f"not reciprocal at {len(differing)} of {_pairs(len(names))} of points: {shown}{more}; the model is "
         "reciprocal, so a transducer or its mass may differ from run to run"
     )
+
+
+def _forces(measurement: Measurement) -> str:
+    n_in = len(measurement.frf.inputs)
+    return f"a hammer at {n_in} points" if measurement.setup.roving_hammer else f"{n_in} shakers at once"
 
 
 def _of_levels(observed: Observed) -> Iterator[str]:
@@ -112,6 +118,9 @@ def _of_random_errors(measurement: Measurement) -> Iterator[str]:
         if estimator != "h1":
             yield f"without coherence {estimator} cannot be turned into h1: compared as if it were"
         return
+    if measurement.setup.n_simultaneous > 1 and measurement.force_cross_spectra is None:
+        powers = "of equal power and " if measurement.force_spectrum is None else ""
+        yield f"no cross spectra of the forces: random errors of FRFs as if they were {powers}uncorrelated"
     if floor is not None:
         yield f"beside the random error that coherence tells, every FRF is given one of {floor:g} of itself"
     if measurement.averages < LIMITATIONS.few_averages:

@@ -289,10 +289,12 @@ class SingleTestPredictor:
         A roving accelerometer visits them; fixed ones stay where they are.
         """
         acting, system, freq = self._acting(effects), self.model.deviating_system, self.observed.freq
+        n_in, n_simultaneous = len(self.setup.drives), self.setup.n_simultaneous
         if self.setup.accelerometers.roving:
             visited = chain(system, replace(self.setup, responses=dofs), acting)
-            by_run = visited.respond(freq).inertance[:, :, 0, 0]
-            return np.asarray(by_run.reshape(len(self.setup.drives), len(dofs), -1).transpose(2, 1, 0))
+            by_run = visited.respond(freq).inertance[:, :, 0]
+            by_blow = by_run.reshape(n_in // n_simultaneous, len(dofs), len(freq), n_simultaneous)
+            return np.asarray(by_blow.transpose(2, 1, 0, 3).reshape(len(freq), len(dofs), n_in))
         runs = tuple(
             replace(
                 run,
@@ -302,4 +304,5 @@ class SingleTestPredictor:
             for run in chain(system, self.setup, acting).runs
         )
         measuring_chain = replace(chain(system, self.setup), runs=runs)
-        return np.asarray(np.moveaxis(measuring_chain.respond(freq).inertance[..., 0], 0, -1))
+        by_run = measuring_chain.respond(freq).inertance
+        return np.asarray(by_run.transpose(1, 2, 0, 3).reshape(len(freq), len(dofs), n_in))

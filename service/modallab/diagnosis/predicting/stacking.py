@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.arrays import FloatArray
+from modallab.core.arrays import BoolArray, FloatArray
 from modallab.core.dof import Dof
+from modallab.diagnosis.residuals.decorrelation import Decorrelation, RunErrors
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.predicted import Predicted, SimulatedDeviations, VarianceRatios
 from modallab.rig.frf_channel import FrfChannel
@@ -23,7 +24,7 @@ class SpectrumStack:
     """FRF channels of several tests and their places in the stack of all.
 
     Channels of one response are stacked in one column, wherever a further test moves the force to; with a
-    roving hammer, in one column for each drive point.
+    roving hammer or several shakers, in one column for each drive point.
     """
 
     tests: tuple[tuple[FrfChannel, ...], ...]
@@ -32,11 +33,18 @@ class SpectrumStack:
     """Whether a roving accelerometer has a run, and a force, for each output."""
     averages: tuple[float, ...]
     """Effective number of averages of each test."""
+    simultaneous: bool = False
+    """Whether several forces act at once in some test."""
 
     @classmethod
     def of(cls, observed: Sequence[Observed], *, roving: bool) -> "SpectrumStack":
         """Return the stack of several measurements."""
-        return cls(tuple(o.channels for o in observed), roving, tuple(o.averages for o in observed))
+        return cls(
+            tuple(o.channels for o in observed),
+            roving,
+            tuple(o.averages for o in observed),
+            any(o.n_simultaneous > 1 for o in observed),
+        )
 
     @cached_property
     def keys(self) -> tuple[tuple[ChannelKey, ...], ...]:
@@ -58,9 +66,15 @@ class SpectrumStack:
         runs = list(dict.fromkeys(map(self._run_of, self.all_keys)))
         return tuple(replace(firsts[key], run=runs.index(self._run_of(key))) for key in self.all_keys)
 
-    def _run_of(self, key: ChannelKey) -> object:
-        """Return the key of an FRF's run: with a roving accelerometer each FRF has its own."""
+    def _force_of(self, key: ChannelKey) -> object:
+        """Return the key of an FRF's force spectrum: with a roving accelerometer each FRF has its own."""
         return key if self.roving else key[1]
+
+    def _run_of(self, key: ChannelKey) -> object:
+        """Return the key of an FRF's run: that of its force, or of its response with simultaneous forces."""
+        if not self.simultaneous:
+            return self._force_of(key)
+        return key[0] if self.roving else None
 
     def channels(self, parts: Sequence[NDArray[Any]], absent: complex) -> NDArray[Any]:
         """Return arrays (.., n_freq, n_out) as one (.., n_freq of all, n_out of all).
@@ -74,10 +88,10 @@ class SpectrumStack:
         """
         return _stacked(parts, self.keys, self.all_keys, absent)
 
-    def runs(self, parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
-        """Return arrays (.., n_freq, n_run) as one."""
-        runs = [tuple(dict.fromkeys(map(self._run_of, keys))) for keys in self.keys]
-        return _stacked(parts, runs, tuple(dict.fromkeys(map(self._run_of, self.all_keys))), 1.0)
+    def forces(self, parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
+        """Return arrays (.., n_freq, n_force) as one."""
+        forces = [tuple(dict.fromkeys(map(self._force_of, keys))) for keys in self.keys]
+        return _stacked(parts, forces, tuple(dict.fromkeys(map(self._force_of, self.all_keys))), 1.0)
 
     def predicted(self, parts: Sequence[Predicted]) -> Predicted:
         """Return the predictions of all tests as one."""
@@ -86,7 +100,7 @@ class SpectrumStack:
         return Predicted(
             h=self.channels([part.h for part in parts], 1.0),
             coherence=self.channels([part.coherence for part in parts], 1.0),
-            force=self.runs([part.force for part in parts]),
+            force=self.forces([part.force for part in parts]),
             incoherent=self.channels([part.incoherent for part in parts], 1.0),
             excess_variance=partial(self._excess_variance, parts) if leaking else None,
             variance_ratios=partial(self._variance_ratios, parts) if rescaled else None,
@@ -110,7 +124,7 @@ class SpectrumStack:
         # They multiply the variance of as many averages as the stack states, the fewest of all tests.
         shares = [min(self.averages) / averages for averages in self.averages]
         return VarianceRatios(
-            self.runs([part.force * share for part, share in zip(parts, shares, strict=True)]),
+            self.forces([part.force * share for part, share in zip(parts, shares, strict=True)]),
             self.channels([part.frf for part in parts], 1.0),
             self.channels([part.response for part in parts], 1.0),
             self._deviations([part.deviations for part in parts]),
@@ -129,7 +143,7 @@ class SpectrumStack:
         if len(shifted) < len(parts):
             return None
         force, frf, response = zip(*shifted, strict=True)
-        return self.runs(force), self.channels(frf, 0.0), self.channels(response, 0.0)
+        return self.forces(force), self.channels(frf, 0.0), self.channels(response, 0.0)
 
     def observed(self, parts: Sequence[Observed]) -> Observed:
         """Return the measurements of all tests as one; nothing is usable where a test did not measure."""
@@ -148,16 +162,32 @@ class SpectrumStack:
             coherence=self.channels([part.coherence for part in parts], 0.0),
             usable=self.channels([part.usable for part in parts], False),
             shared_noise=self.channels([_shared_noise(part) for part in parts], 0.0),
+            response_once=(
+                self.channels([_response_once(part) for part in parts], False) if self.simultaneous else None
+            ),
+            n_simultaneous=max(part.n_simultaneous for part in parts),
+            decorrelation=self._decorrelation(parts),
             **self._auto_spectra(parts),
         )
+
+    def _decorrelation(self, parts: Sequence[Observed]) -> Decorrelation | None:
+        """Return the correlated errors of all tests."""
+        runs: list[RunErrors] = []
+        n_before = 0
+        for keys, part in zip(self.keys, parts, strict=True):
+            columns = np.array([self.all_keys.index(key) for key in keys])
+            if part.decorrelation is not None:
+                runs += [run.moved(n_before, columns) for run in part.decorrelation.runs]
+            n_before += len(part.freq)
+        return Decorrelation(tuple(runs)) if runs else None
 
     def _auto_spectra(self, parts: Sequence[Observed]) -> Mapping[str, Any]:
         """Return the auto spectra that all tests have, with the variance of their logarithms."""
         spectra: dict[str, Any] = {"force": None, "force_variance": 1.0}
         force = [part.force for part in parts if part.force is not None]
         if len(force) == len(parts):
-            spectra["force"] = self.runs(force)
-            spectra["force_variance"] = self.runs(
+            spectra["force"] = self.forces(force)
+            spectra["force_variance"] = self.forces(
                 [np.broadcast_to(p.force_variance, f.shape) for p, f in zip(parts, force, strict=True)]
             )
         for name in ("incoherent", "incoherent_variance"):
@@ -188,6 +218,10 @@ def _stacked(
 
 def _shared_noise(part: Observed) -> FloatArray:
     return np.zeros(part.h.shape) if part.shared_noise is None else part.shared_noise
+
+
+def _response_once(part: Observed) -> BoolArray:
+    return np.ones(part.h.shape, bool) if part.response_once is None else part.response_once
 
 
 def _unit_ratios(part: Predicted) -> VarianceRatios:

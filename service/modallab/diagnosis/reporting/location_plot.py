@@ -92,24 +92,28 @@ def _sketch_and_words(diagnosis: Diagnosis) -> tuple[str, str]:
     words = (
         "Structure with responses (arrows) and struck points, coloured by the difference of the initial "
         "prediction"
-        if len(diagnosis.curves.inputs) > 1
-        else "Structure with drive point (arrow) and responses, coloured by the difference of the initial "
-        "prediction"
+        if diagnosis.setup.roving_hammer
+        else f"Structure with {_drive_points(diagnosis)} and responses, coloured by the difference of the "
+        "initial prediction"
     )
     places = [step.effect.at for step in diagnosis.steps if step.effect.at is not None]
     return _sketch(diagnosis), f"{words}; added effects are marked." if places else f"{words}."
 
 
+def _drive_points(diagnosis: Diagnosis) -> str:
+    return "drive point (arrow)" if len(diagnosis.curves.inputs) == 1 else "drive points (arrows)"
+
+
 def _sketch(diagnosis: Diagnosis) -> str:
     """Return a sketch of members and measured nodes, with rings at the places of added effects."""
     structure, curves = diagnosis.structure, diagnosis.curves
-    frfs, several = curves.by_frf, len(curves.inputs) > 1
+    frfs, roving_hammer = curves.by_frf, diagnosis.setup.roving_hammer
     at, height = _places(structure)
     parts = [_line("rim", at[a], at[b]) for a, b in _edges(structure.non_bar_members)]
     parts += [_line("member", at[a], at[b]) for a, b in _edges(structure.members)]
     rings = [_ring(step.effect.at, structure, at) for step in diagnosis.steps]
     squares = (residual(frfs, frfs.before)[1:] ** 2).mean(axis=0)
-    shown = _coloured_dofs(frfs, squares)
+    shown = _coloured_dofs(frfs, squares, roving_hammer=roving_hammer)
     for dof, level in zip(
         shown, np.digitize(np.sqrt(list(shown.values())), DRAWING.level_limits), strict=True
     ):
@@ -118,12 +122,12 @@ def _sketch(diagnosis: Diagnosis) -> str:
     parts += [ring for ring in rings if ring]
     upright = _beside_vertical_members(structure, at)
     # Arrows at all points that a hammer struck would hide the structure: at the references, then.
-    parts += [_arrow(dof, at, upright) for dof in (curves.outputs if several else curves.inputs[:1])]
+    parts += [_arrow(dof, at, upright) for dof in (curves.outputs if roving_hammer else curves.inputs)]
     parts += _numbers(at, [dof.node for dof in shown], upright)
     return svg.drawing(DRAWING.width, height, "structure with measured responses", parts)
 
 
-def _coloured_dofs(frfs: FrfCurves, squares: FloatArray) -> dict[Dof, float]:
+def _coloured_dofs(frfs: FrfCurves, squares: FloatArray, *, roving_hammer: bool) -> dict[Dof, float]:
     """Return the mean square of each response's FRFs, or with a roving hammer of each struck point's.
 
     Parameters
@@ -131,9 +135,8 @@ def _coloured_dofs(frfs: FrfCurves, squares: FloatArray) -> dict[Dof, float]:
     squares
         (n_frf,) mean squared residual of each FRF.
     """
-    several = len(set(frfs.inputs)) > 1
     by_dof: dict[Dof, list[float]] = {}
-    for dof, square in zip(frfs.inputs if several else frfs.outputs, squares, strict=True):
+    for dof, square in zip(frfs.inputs if roving_hammer else frfs.outputs, squares, strict=True):
         by_dof.setdefault(dof, []).append(float(square))
     return {dof: float(np.mean(values)) for dof, values in by_dof.items()}
 

@@ -32,6 +32,7 @@ from modallab.diagnosis.reporting.text import (
 )
 from modallab.diagnosis.result import Diagnosis, Rival, Verdict
 from modallab.rig.effect import EFFECTS
+from modallab.rig.setup import RigSetup
 
 DEFINITION = (
     "A residual is the logarithm of measured over predicted, divided by its random error, which follows "
@@ -231,14 +232,13 @@ def _candidate_row(rival: Rival) -> Row:
 def _repetition(diagnosis: Diagnosis, provenance: Mapping[str, str]) -> str:
     analyser, curves = diagnosis.setup.analyser, diagnosis.curves
     seed = "no seed was used" if diagnosis.seed is None else f"seed {diagnosis.seed}"
-    frfs, roving_hammer = curves.by_frf, len(curves.inputs) > 1
-    held_out = [
+    frfs, roving_hammer = curves.by_frf, diagnosis.setup.roving_hammer
+    names = [
         frfs.name(i) if roving_hammer else str(frfs.outputs[i])
         for i in np.flatnonzero(frfs.held_out).tolist()
     ]
-    drive = (
-        f"a hammer at {len(curves.inputs)} points" if roving_hammer else f"a force at {diagnosis.setup.drive}"
-    )
+    held_out = dict.fromkeys(names)
+    drive = _drive(diagnosis.setup)
     exclusion = f" Held out of every fit: {', '.join(held_out)}." if held_out else ""
     test = (
         f"Test: {len(curves.outputs)} responses to {drive}, "
@@ -254,6 +254,13 @@ def _repetition(diagnosis: Diagnosis, provenance: Mapping[str, str]) -> str:
     notes = "".join(paragraph(note) for note in diagnosis.notes)
     request = _request_box(diagnosis, provenance)
     return f"<h2>Repetition</h2>{paragraph(reproducibility)}{request}{paragraph(test)}{follow_ups}{notes}"
+
+
+def _drive(setup: RigSetup) -> str:
+    if setup.roving_hammer:
+        return f"a hammer at {len(setup.drives)} points"
+    points = ", ".join(map(str, setup.drives))
+    return f"simultaneous forces at {points}" if setup.n_simultaneous > 1 else f"a force at {points}"
 
 
 def _request_box(diagnosis: Diagnosis, provenance: Mapping[str, str]) -> str:

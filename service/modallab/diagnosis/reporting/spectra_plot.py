@@ -75,6 +75,7 @@ def _channel(curves: DiagnosisCurves, spectra: Spectra, i: int) -> str:
     """Return the FRF of a spectrum, or what its run has in common."""
     frfs, n = curves.by_frf, spectra.measured.shape[1]
     if len(curves.inputs) > 1:
-        by_frf = n == len(frfs.outputs)
-        return frfs.name(i) if by_frf else f"force at {curves.inputs[i]}"
+        if n == len(frfs.outputs):
+            return frfs.name(i)
+        return f"force at {curves.inputs[i]}" if spectra is curves.force else f"response {curves.outputs[i]}"
     return f"response {curves.outputs[i]}" if n == len(curves.outputs) else "common to all responses"

@@ -20,6 +20,7 @@ from modallab.estimation.settings import FORCE_NOISE
 from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.chain import Chain
 from modallab.rig.expected import expected_spectra
+from modallab.rig.frf_channel import stands_for_response
 from modallab.rig.hardware import Noise, NoiseDensity
 from modallab.rig.setup import RigSetup
 
@@ -62,11 +63,11 @@ class FreeLevels:
         Parameters
         ----------
         spectra
-            Of one force a run, for the levels of the log book; of what is open, none.
+            For the levels of the log book; of what is open, none.
         lines
             (n,) indices of the measured lines among those of the spectra; None: all.
         """
-        if not (self.source or self.noise) or spectra.ff.shape[2] != 1:
+        if not (self.source or self.noise):
             return spectra
         if self.source:
             spectra = self._with_source(spectra, observed, lines)
@@ -76,30 +77,26 @@ class FreeLevels:
     def _with_source(
         self, spectra: CrossSpectra, observed: "Observed", lines: IntArray | None
     ) -> CrossSpectra:
-        """Return the spectra with the power of each run's source, as a smooth factor on what is expected."""
+        """Return the spectra with the power of each source, as a smooth factor on what is expected."""
         if observed.force is None:
             return spectra
         at_lines = spectra if lines is None else spectra.at(lines)
         basis = self._basis(observed.freq, observed.freq)
-        expected = at_lines.ff[:, :, 0, 0].real.T
-        mask = _lines_of_runs(observed, expected.shape[1])
+        n_run, n_in = spectra.ff.shape[0], spectra.ff.shape[2]
+        expected = _force_spectra(at_lines).swapaxes(0, 1).reshape(len(at_lines.freq), -1)
+        mask = _lines_of_forces(observed, expected.shape[1])
         variance = np.broadcast_to(observed.force_variance, expected.shape)
-        power = np.ones((len(spectra.ff), len(spectra.freq)))
+        power = np.ones((n_run * n_in, len(spectra.freq)))
         everywhere = self._basis(spectra.freq, observed.freq)
-        for run in range(len(power)):
-            used = mask[:, run]
+        for force in range(len(power)):
+            used = mask[:, force]
             if not used.any():
                 continue
-            weight = 1 / np.sqrt(variance[used, run])
-            ratio = np.log(observed.force[used, run] / expected[used, run])
+            weight = 1 / np.sqrt(variance[used, force])
+            ratio = np.log(observed.force[used, force] / expected[used, force])
             curve = np.linalg.lstsq(weight[:, None] * basis[used], weight * ratio, rcond=None)[0]
-            power[run] = np.exp(everywhere @ curve)
-        return replace(
-            spectra,
-            ff=spectra.ff * power[:, :, None, None],
-            fx=spectra.fx * power[:, :, None, None],
-            xx=spectra.xx * power[:, :, None],
-        )
+            power[force] = np.exp(everywhere @ curve)
+        return _with_power(spectra, power.reshape(n_run, n_in, -1).swapaxes(1, 2))
 
     def _basis(self, freq: FloatArray, measured: FloatArray) -> FloatArray:
         """Return the functions (n_freq, n) whose sum is the logarithm of the source's power.
@@ -128,24 +125,21 @@ class FreeLevels:
             return None
         if lines is not None:
             spectra = spectra.at(lines)
-        n_run, _, n_out = spectra.xx.shape
-        force = np.repeat(spectra.ff[:, :, 0, 0].real.T, n_out, axis=1)
-        cross, power = (
-            part.swapaxes(0, 1).reshape(len(spectra.freq), -1) for part in (spectra.fx[:, :, 0], spectra.xx)
-        )
-        coherent = np.abs(cross) ** 2 / force
-        measured, variance = _incoherent(observed, force)
+        force, gain, coherent = _coherent_parts(spectra)
+        power = spectra.xx.swapaxes(0, 1).reshape(coherent.shape)
+        measured, variance = _incoherent(observed, force[..., 0])
         if measured is None or variance is None:
             return None
+        once = stands_for_response(observed.channels)
         return fit_white_noise(
             NoiseData(
-                measured=measured,
-                weight=(observed.usable & ~observed.held_out_lines[:, None]) / variance,
-                fitted=observed.fitted,
+                measured=measured[:, once],
+                weight=(observed.usable & ~observed.held_out_lines[:, None])[:, once] / variance[:, once],
+                fitted=observed.fitted[:, once],
                 other=np.maximum(power - coherent, COHERENCE_ROUNDING * power),
                 coherent=coherent,
+                gain=gain,
                 force=force,
-                n_run=n_run,
             ),
             force_noise=self.force_noise,
             response_noise=self.response_noise,
@@ -155,16 +149,65 @@ class FreeLevels:
 ALL_DECLARED = FreeLevels()
 
 
-def _lines_of_runs(observed: "Observed", n_run: int) -> BoolArray:
-    """Return the lines (n_freq, n_run) that a run's source is fitted at."""
+def _force_spectra(spectra: CrossSpectra) -> FloatArray:
+    """Return the auto spectra of the forces, (n_run, n_freq, n_in)."""
+    own = np.arange(spectra.ff.shape[2])
+    return spectra.ff[..., own, own].real
+
+
+def _with_power(spectra: CrossSpectra, power: FloatArray) -> CrossSpectra:
+    """Return spectra with the power of each force changed by a factor, H1 and multiple coherence as before.
+
+    Parameters
+    ----------
+    power
+        (n_run, n_freq, n_in).
+    """
+    if power.shape[2] == 1:
+        return replace(
+            spectra,
+            ff=spectra.ff * power[..., None],
+            fx=spectra.fx * power[..., None],
+            xx=spectra.xx * power,
+        )
+    root = np.sqrt(power)
+    h = np.linalg.solve(spectra.ff, spectra.fx)
+    ff = root[..., :, None] * spectra.ff * root[..., None, :]
+    fx = ff @ h
+    before, after = ((part.conj() * h).sum(axis=2).real for part in (spectra.fx, fx))
+    ratio = np.where(before > 0, after, 1.0) / np.where(before > 0, before, 1.0)
+    return replace(spectra, ff=ff, fx=fx, xx=spectra.xx * ratio)
+
+
+def _coherent_parts(spectra: CrossSpectra) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return forces and squared FRFs by response, (n_freq, n_run n_out, n_in), and the responses to them."""
+    n_run, n_freq, n_in, n_out = spectra.fx.shape
+    force = np.repeat(_force_spectra(spectra).swapaxes(0, 1), n_out, axis=1)
+    if n_in == 1:
+        cross = spectra.fx[:, :, 0].swapaxes(0, 1).reshape(n_freq, -1)
+        coherent = np.abs(cross) ** 2 / force[..., 0]
+        return force, (coherent / force[..., 0])[..., None], coherent
+    h = np.linalg.solve(spectra.ff, spectra.fx)
+    coherent = (spectra.fx.conj() * h).sum(axis=2).real.swapaxes(0, 1).reshape(n_freq, -1)
+    gain = (np.abs(h) ** 2).transpose(1, 0, 3, 2).reshape(n_freq, n_run * n_out, n_in)
+    return force, gain, coherent
+
+
+def _lines_of_forces(observed: "Observed", n_force: int) -> BoolArray:
+    """Return the lines (n_freq, n_force) that a source is fitted at."""
     usable = observed.usable & ~observed.held_out_lines[:, None]
-    return np.asarray(usable.reshape(len(usable), n_run, -1).any(axis=2))
+    return np.asarray(usable.reshape(len(usable), n_force, -1).any(axis=2))
 
 
 def _incoherent(observed: "Observed", force: FloatArray) -> tuple[FloatArray | None, FloatArray | None]:
     """Return incoherent response spectra (n_freq, n_out) and the variance of their logarithms.
 
     Without response spectra those that follow from coherence and FRFs at the expected force.
+
+    Parameters
+    ----------
+    force
+        (n_freq, n) expected spectrum of the first force, by response.
     """
     if observed.incoherent is not None:
         return observed.incoherent, observed.incoherent_variance
@@ -172,12 +215,14 @@ def _incoherent(observed: "Observed", force: FloatArray) -> tuple[FloatArray | N
     if not (g2[observed.usable] < 1 - COHERENCE_ROUNDING).any() or not np.isfinite(observed.averages):
         return None, None
     ratio = (1 - g2) / np.maximum(g2, FORCE_NOISE.min_coherence) + COHERENCE_ROUNDING
-    return force * np.abs(observed.h) ** 2 * ratio, np.full(g2.shape, 1 / max(observed.averages - 1, 1.0))
+    by_frf = force if force.shape == g2.shape else np.tile(force, observed.n_simultaneous)
+    variance = 1 / max(observed.conditional_averages - 1, 1.0)
+    return by_frf * np.abs(observed.h) ** 2 * ratio, np.full(g2.shape, variance)
 
 
 def _with_noise(spectra: CrossSpectra, noise: WhiteNoise) -> CrossSpectra:
     n_run, _, n_out = spectra.xx.shape
-    ff = spectra.ff + noise.force
+    ff = spectra.ff + noise.force * np.eye(spectra.ff.shape[2])
     return replace(spectra, ff=ff, xx=spectra.xx + noise.response.reshape(n_run, 1, n_out))
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from modallab.core.dof import Dof
 from modallab.rig.frf_channel import FrfChannel
+from modallab.rig.setup import RigSetup
 
 
 @dataclass(frozen=True)
@@ -25,19 +26,22 @@ class FrfSelection:
 
 
 def single_frfs(channels: Sequence[FrfChannel], *, roving_hammer: bool) -> tuple[FrfSelection, ...]:
-    """Return the selection of each FRF alone: by its response or, with a roving hammer, by both DoFs."""
+    """Return the selection of each FRF alone: by its response or, with a roving hammer, by both DoFs.
+
+    FRFs of one response to simultaneous forces have one record, and are selected together.
+    """
     return tuple(
         FrfSelection(channel.response.point, channel.drive.point if roving_hammer else None)
         for channel in channels
     )
 
 
-def frfs_at(dof: Dof, drives: Sequence[Dof], outputs: Sequence[Dof]) -> FrfSelection | None:
+def frfs_at(dof: Dof, setup: RigSetup) -> FrfSelection | None:
     """Return the FRFs that a DoF names: of a point that a roving hammer struck, else of a response.
 
     None if no FRF belongs to it.
     """
-    if len(drives) > 1 and any(drive.point == dof.point for drive in drives):
+    if setup.roving_hammer and any(drive.point == dof.point for drive in setup.drives):
         return FrfSelection(drive=dof.point)
-    measured = any(output.point == dof.point for output in outputs)
+    measured = any(output.point == dof.point for output in setup.responses)
     return FrfSelection(response=dof.point) if measured else None

@@ -38,13 +38,18 @@ class _Scores:
         n_lines = len(mask)
         line, series, _ = _labels(residual, mask)
         run_of_channel = residual.run_of_channel
-        n_run = int(run_of_channel[-1]) + 1
-        run = _run(series, run_of_channel, 0 if residual.force is None else n_run)
+        n_run = int(run_of_channel.max()) + 1
+        first_of_force = np.unique(residual.force_of_channel, return_index=True)[1]
+        no_forces = np.zeros(0, int)
+        run = _run(
+            series, run_of_channel, no_forces if residual.force is None else run_of_channel[first_of_force]
+        )
         self._vector = residual.vector(mask)
         self._mean_square = max(1.0, float(self._vector @ self._vector) / len(self._vector))
         self._shape = (n_run, n_lines)
         ranges = (
-            _correlation_range(part, residual.mask_of(part, mask), n_run) for part in residual.parts.values()
+            _correlation_range(part, residual.mask_of(name, mask), n_run)
+            for name, part in residual.parts.items()
         )
         self._range = max(LINE_CORRELATION.score_lags, *ranges)
         entry = run * n_lines + line, np.arange(len(line))
@@ -132,33 +137,34 @@ def _labels(residual: Residual, mask: BoolArray) -> tuple[IntArray, IntArray, In
     """
     n_lines, n_out = mask.shape
     line = np.arange(n_lines)[:, None]
-    n_run = 0 if residual.force is None else residual.force.shape[1]
-    channel, run = np.arange(n_out)[None], 2 * n_out + np.arange(n_run)[None]
+    n_force = 0 if residual.force is None else residual.force.shape[1]
+    channel, of_force = np.arange(n_out)[None], 2 * n_out + np.arange(n_force)[None]
 
     def as_vector(frf: IntArray, frf_imag: IntArray, force: IntArray, response: IntArray) -> IntArray:
         labels = Residual(
             np.broadcast_to((frf + 1j * frf_imag) / np.sqrt(2), mask.shape),
             None if residual.force is None else np.broadcast_to(force.astype(float), residual.force.shape),
             None if residual.response is None else np.broadcast_to(response.astype(float), mask.shape),
-            runs=residual.run_of_channel,
+            forces=residual.force_of_channel,
+            response_once=residual.response_once,
         )
         return np.asarray(np.rint(labels.vector(mask)), int)
 
     unit = np.ones((1, 1), int)
     lines = as_vector(line, line, line, line)
-    series = as_vector(channel, n_out + channel, run if n_run else unit, 2 * n_out + n_run + channel)
+    series = as_vector(channel, n_out + channel, of_force if n_force else unit, 2 * n_out + n_force + channel)
     parts = as_vector(0 * unit, 0 * unit, unit, 2 * unit)
     return lines, series, parts
 
 
-def _run(series: IntArray, runs: IntArray, n_forces: int) -> IntArray:
+def _run(series: IntArray, runs: IntArray, runs_of_forces: IntArray) -> IntArray:
     """Return the run that each series belongs to; see `_labels`.
 
     Parameters
     ----------
     runs
         (n_out,) number of each channel's run.
-    n_forces
-        Number of force spectra.
+    runs_of_forces
+        (n_force,) number of each force spectrum's run.
     """
-    return np.concatenate([runs, runs, np.arange(n_forces), runs])[series]
+    return np.concatenate([runs, runs, runs_of_forces, runs])[series]

@@ -11,6 +11,7 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfKind
 from modallab.diagnosis.residuals.channel_spectra import ChannelSpectra
+from modallab.diagnosis.residuals.decorrelation import Decorrelation
 from modallab.diagnosis.residuals.free_levels import ALL_DECLARED, FreeLevels
 from modallab.diagnosis.residuals.frf_selection import FrfSelection
 from modallab.diagnosis.residuals.predicted import VarianceRatios
@@ -32,7 +33,7 @@ from modallab.estimation.spectra import CrossSpectra
 from modallab.estimation.windows import WINDOWS
 from modallab.rig.analyser import Analyser
 from modallab.rig.excitation import EXCITATIONS
-from modallab.rig.frf_channel import FrfChannel
+from modallab.rig.frf_channel import FrfChannel, force_numbers, stands_for_response
 from modallab.rig.measurement import Measurement
 
 
@@ -48,7 +49,7 @@ class Observed:
     freq: FloatArray
     """(n_freq,) Hz."""
     channels: tuple[FrfChannel, ...]
-    """FRFs, n_out of them: one for each response of each run."""
+    """FRFs, n_out of them: one for each response and each force of each run."""
     h: ComplexArray
     """(n_freq, n_out) H1 as inertance, 1/kg."""
     error: FloatArray
@@ -56,9 +57,9 @@ class Observed:
     coherence: FloatArray
     """(n_freq, n_out), 1 where it is unknown."""
     force: FloatArray | None
-    """(n_freq, n_run), N^2/Hz, the expectation of its logarithm unbiased."""
+    """(n_freq, n_force), N^2/Hz, the expectation of its logarithm unbiased; of the forces of all runs."""
     force_variance: FloatArray | float
-    """(n_freq, n_run), variance of the logarithm of `force`."""
+    """(n_freq, n_force), variance of the logarithm of `force`."""
     incoherent: FloatArray | None
     """(n_freq, n_out), (m/s^2)^2/Hz, response spectrum times 1 - coherence."""
     incoherent_variance: FloatArray | None
@@ -83,6 +84,15 @@ class Observed:
     """Levels that the log book leaves open."""
     shared_noise: FloatArray | None = None
     """(n_freq, n_out), share of an FRF's variance that the force's noise has, common to all of a run."""
+    response_once: BoolArray | None = None
+    """(n_freq, n_out), False where the incoherent spectrum is that of another FRF; None: nowhere.
+
+    Several simultaneous forces have one spectrum of each response.
+    """
+    n_simultaneous: int = 1
+    """Forces that act at the same time."""
+    decorrelation: Decorrelation | None = None
+    """Correlated errors of FRFs to simultaneous forces."""
 
     @property
     def outputs(self) -> tuple[Dof, ...]:
@@ -91,8 +101,18 @@ class Observed:
 
     @cached_property
     def runs(self) -> IntArray:
-        """(n_out,): the number of each FRF's run, in ascending order."""
+        """(n_out,): the number of each FRF's run."""
         return np.array([channel.run for channel in self.channels])
+
+    @cached_property
+    def forces(self) -> IntArray:
+        """(n_out,): the number of each FRF's force spectrum, in ascending order."""
+        return force_numbers(self.channels)
+
+    @property
+    def conditional_averages(self) -> float:
+        """Effective number of averages, less the one that each further simultaneous force takes up."""
+        return self.averages - (self.n_simultaneous - 1)
 
     @property
     def fitted(self) -> BoolArray:
@@ -145,6 +165,8 @@ class Observed:
             usable=self.usable[lines],
             held_out_lines=self.held_out_lines[lines],
             shared_noise=_rows(self.shared_noise, lines),
+            response_once=None if self.response_once is None else self.response_once[lines],
+            decorrelation=None if self.decorrelation is None else self.decorrelation.at(lines),
         )
 
     def _force_variance_at(self, lines: IntArray) -> FloatArray | float:
@@ -216,6 +238,9 @@ def observe(measurement: Measurement, held_out: Sequence[FrfSelection], *, fract
         scale_error=scale_error(measurement, scatter),
         variance_floor=variance_floor,
         shared_noise=shared_noise(spectra),
+        response_once=_response_once(spectra),
+        n_simultaneous=spectra.n_simultaneous,
+        decorrelation=Decorrelation.of(spectra, coherence_variance / error**2),
         free_levels=FreeLevels.of(measurement.setup),
     )
     _check_fittable(observed)
@@ -230,6 +255,13 @@ def _line_error(spectra: ChannelSpectra, scatter: Sequence[Estimate] | None) -> 
     if spectra.noise_floor is not None:
         return spectra.noise_floor
     return 0.0 if scatter is None else np.array([estimate.value for estimate in scatter])
+
+
+def _response_once(spectra: ChannelSpectra) -> BoolArray | None:
+    """Return where the incoherent spectrum is that of no FRF before, (n_freq, n_out); None: everywhere."""
+    if spectra.n_simultaneous == 1:
+        return None
+    return np.repeat(stands_for_response(spectra.channels)[None], len(spectra.freq), axis=0)
 
 
 def _driven(analyser: Analyser, freq: FloatArray) -> BoolArray:

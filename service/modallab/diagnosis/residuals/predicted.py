@@ -10,6 +10,7 @@ from modallab.core.numerics import COHERENCE_ROUNDING
 from modallab.diagnosis.residuals.random_error import RealOrComplex
 from modallab.estimation.coherence import coherence
 from modallab.estimation.estimators.h1 import h1
+from modallab.estimation.partial_coherence import coherence_of_frfs
 from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.periodic_variance import VarianceFactors
 
@@ -17,10 +18,23 @@ SimulatedDeviations = tuple[FloatArray, ComplexArray, FloatArray]
 """Deviations of force, FRF and response from their expectations in simulated tests, (n_tests, ..) each."""
 
 
-def _side_by_side(runs: RealOrComplex) -> RealOrComplex:
-    """Return the channels (n_run, n_freq, n_out) of all runs as (n_freq, n_run n_out)."""
-    out: RealOrComplex = runs.swapaxes(0, 1).reshape(runs.shape[1], -1)
+def _side_by_side(runs: RealOrComplex, n_in: int = 1) -> RealOrComplex:
+    """Return the responses (n_run, n_freq, n_out) of all runs by FRF, (n_freq, n_run n_in n_out)."""
+    by_force = runs if n_in == 1 else np.tile(runs, n_in)
+    out: RealOrComplex = by_force.swapaxes(0, 1).reshape(runs.shape[1], -1)
     return out
+
+
+def _frfs(runs: RealOrComplex) -> RealOrComplex:
+    """Return FRFs (n_run, n_freq, n_out) or (.., n_in) of all runs as (n_freq, n_run n_in n_out)."""
+    by_force = runs if runs.ndim == 3 else runs.swapaxes(2, 3)
+    out: RealOrComplex = by_force.swapaxes(0, 1).reshape(runs.shape[1], -1)
+    return out
+
+
+def _forces(runs: FloatArray) -> FloatArray:
+    """Return forces (n_run, n_freq) or (n_run, n_freq, n_in) of all runs side by side, (n_freq, n_force)."""
+    return runs.T if runs.ndim == 2 else runs.swapaxes(0, 1).reshape(runs.shape[1], -1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +42,7 @@ class VarianceRatios:
     """Variances of estimates over those of averages of independent Gaussian records, by line and channel."""
 
     force: FloatArray
-    """(n_freq, n_run) of ln G_ff."""
+    """(n_freq, n_force) of ln G_ff."""
     frf: FloatArray
     """(n_freq, n_out) of H1."""
     response: FloatArray
@@ -40,15 +54,16 @@ class VarianceRatios:
     def of(cls, runs: VarianceFactors | None, spectra: CrossSpectra) -> "VarianceRatios":
         """Return the ratios of all runs side by side; 1 where all records are independent."""
         if runs is None:
-            unit = np.ones(spectra.xx.shape)
-            return cls(unit[..., 0].T, *2 * (_side_by_side(unit),))
-        deviations = None
+            n_in = spectra.ff.shape[2]
+            unit = _side_by_side(np.ones(spectra.xx.shape), n_in)
+            return cls(np.ones((len(unit), n_in * len(spectra.ff))), unit, unit)
+        deviations, n_in = None, spectra.ff.shape[2]
         if runs.tests is not None:
             force, frf, response = runs.tests
-            h = np.array([_side_by_side(test) for test in frf])
-            incoherent = np.array([_side_by_side(test) for test in response])
-            deviations = (force.swapaxes(1, 2), h, incoherent)
-        return cls(runs.force.T, _side_by_side(runs.frf), _side_by_side(runs.response), deviations)
+            h = np.array([_frfs(test) for test in frf])
+            incoherent = np.array([_side_by_side(test, n_in) for test in response])
+            deviations = (np.array([_forces(test) for test in force]), h, incoherent)
+        return cls(_forces(runs.force), _frfs(runs.frf), _side_by_side(runs.response, n_in), deviations)
 
     def at(self, lines: IntArray) -> "VarianceRatios":
         """Return the ratios at some of the lines, (n,) indices; itself if these are all."""
@@ -63,14 +78,14 @@ class VarianceRatios:
 
 @dataclass(frozen=True, eq=False)
 class Predicted:
-    """Expected spectra by response channel, as `Observed` holds the measured ones."""
+    """Expected spectra by FRF channel, as `Observed` holds the measured ones."""
 
     h: ComplexArray
     """(n_freq, n_out) H1 as inertance, 1/kg."""
     coherence: FloatArray
-    """(n_freq, n_out)."""
+    """(n_freq, n_out), of several simultaneous forces the partial coherence."""
     force: FloatArray
-    """(n_freq, n_run), N^2/Hz."""
+    """(n_freq, n_force), N^2/Hz."""
     incoherent: FloatArray
     """(n_freq, n_out) G_xx (1 - coherence), (m/s^2)^2/Hz, floored at rounding."""
     excess_variance: Callable[[], FloatArray] | None = None
@@ -105,15 +120,15 @@ class Predicted:
         lines_correlated
             Whether lines share random numbers beyond those that a window mixes.
         """
-        g2 = coherence(spectra)
+        g2, h, n_in = coherence(spectra), h1(spectra), spectra.ff.shape[2]
         incoherent = spectra.xx * (1 - g2 + COHERENCE_ROUNDING)
-        h: ComplexArray = h1(spectra)[..., 0].swapaxes(0, 1).reshape(len(spectra.freq), -1)
+        force = spectra.ff[..., np.arange(n_in), np.arange(n_in)].real
         return cls(
-            h,
-            _side_by_side(g2),
-            spectra.ff[:, :, 0, 0].real.T,
-            _side_by_side(incoherent),
-            None if excess_variance is None else lambda: _side_by_side(excess_variance()),
+            _frfs(h),
+            _frfs(coherence_of_frfs(spectra, h, g2)),
+            _forces(force),
+            _side_by_side(incoherent, n_in),
+            None if excess_variance is None else lambda: _side_by_side(excess_variance(), n_in),
             None if variance_factors is None else lambda: VarianceRatios.of(variance_factors(), spectra),
             lines_correlated,
         )

@@ -49,12 +49,14 @@ def check_random_error_known(measurement: Measurement) -> None:
             field="coherence",
             allowed="(n_freq, n_out), 0 to 1; or noise_floor, the relative random error of the FRFs",
         )
-    if measurement.averages <= RANDOM_ERROR.min_averages:
+    further_forces = measurement.setup.n_simultaneous - 1
+    if measurement.averages - further_forces <= RANDOM_ERROR.min_averages:
+        least = RANDOM_ERROR.min_averages + further_forces
         raise InvalidInputError(
             "too few averages to know a random error from coherence: give a noise floor",
             field="averages",
             value=measurement.averages,
-            allowed="> 2; or noise_floor, the relative random error of the FRFs",
+            allowed=f"> {least}; or noise_floor, the relative random error of the FRFs",
         )
 
 
@@ -73,17 +75,19 @@ def scale_error(measurement: Measurement, scatter: Sequence[Estimate] | None) ->
     """
     if scatter is not None:
         return 2 * float(np.median([e.standard_error / max(e.value, SAFE_DIVISOR) for e in scatter]))
-    if measurement.averages_error is None or measurement.averages <= RANDOM_ERROR.min_averages:
+    averages = measurement.averages - (measurement.setup.n_simultaneous - 1)
+    if measurement.averages_error is None or averages <= RANDOM_ERROR.min_averages:
         return 0.0
-    return measurement.averages_error / (measurement.averages - 2)
+    return measurement.averages_error / (averages - 2)
 
 
 def coherence_and_variance(spectra: ChannelSpectra) -> tuple[FloatArray, FloatArray]:
     """Return the coherence, 1 where it is unknown, and the relative variance of |H| that follows from it.
 
-    Both (n_freq, n_out).
+    Both (n_freq, n_out). With n_in simultaneous forces the squared error of an FRF has the mean
+    (1 - g2)/g2 over n - n_in - 1 averages, g2 the partial coherence: a complex t distribution.
     """
-    g2, n = spectra.coherence, spectra.averages
+    g2, n = spectra.coherence, spectra.conditional_averages
     if g2 is None or n <= RANDOM_ERROR.min_averages:
         zeros = np.zeros(spectra.h.shape)
         return zeros + 1, zeros
@@ -104,21 +108,23 @@ def incoherent_spectrum(
 ) -> tuple[FloatArray | None, FloatArray | None]:
     """Return G_xx (1 - coherence) and the variance of its logarithm, both (n_freq, n_out).
 
-    The expectation of the logarithm is unbiased.
+    The expectation of the logarithm is unbiased. With several simultaneous forces the coherence is the
+    multiple one, and equal for all FRFs of a response.
 
     Parameters
     ----------
     variance_floor
         Least variance of the logarithm.
     """
-    response, g2, n = spectra.response, spectra.coherence, spectra.averages
+    response, g2, n = spectra.response, spectra.response_coherence, spectra.conditional_averages
     if response is None or g2 is None or n <= RANDOM_ERROR.min_averages:
         return None, None
     incoherent, floor = response * (1 - g2), COHERENCE_ROUNDING * response
     # Where rounding is the larger part, the logarithm has an error of order one.
     rounding = floor / (incoherent + floor + SAFE_DIVISOR)
     variance = polygamma(1, n - 1) * (1 - rounding) ** 2 + rounding**2 + variance_floor
-    return replace_zeros(incoherent * np.exp(np.log(n) - digamma(n - 1)) + floor), np.asarray(variance)
+    unbiased = incoherent * np.exp(np.log(spectra.averages) - digamma(n - 1))
+    return replace_zeros(unbiased + floor), np.asarray(variance)
 
 
 def force_spectrum(
@@ -157,6 +163,8 @@ def shared_noise(spectra: ChannelSpectra) -> FloatArray | None:
     g2, force, response = spectra.coherence, spectra.force, spectra.response
     n_runs = spectra.channels[-1].run + 1
     if n_runs == len(spectra.channels) or spectra.averages <= RANDOM_ERROR.min_averages:
+        return None
+    if spectra.n_simultaneous > 1:
         return None
     if g2 is None or force is None or response is None:
         return None

@@ -9,6 +9,7 @@ from scipy.special import polygamma
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray, logarithm
 from modallab.core.numerics import SAFE_DIVISOR
+from modallab.diagnosis.residuals.decorrelation import Decorrelation
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.predicted import Predicted, VarianceRatios
 from modallab.diagnosis.residuals.settings import RANDOM_ERROR, RESIDUAL
@@ -22,9 +23,9 @@ class Residual:
     frf: ComplexArray
     """(n_freq, n_out), complex, of mean squared magnitude 1."""
     force: FloatArray | None
-    """(n_freq, n_run) of the force spectra."""
+    """(n_freq, n_force) of the force spectra."""
     response: FloatArray | None
-    """(n_freq, n_out) of the incoherent response spectra."""
+    """(n_freq, n_out) of the incoherent response spectra, see `response_once`."""
     excess_variance: Callable[[], FloatArray] | None = None
     """Variance ratio of `response` where power leaks, see `Predicted`."""
     variance_ratios: Callable[[], VarianceRatios] | None = None
@@ -40,7 +41,13 @@ class Residual:
     shared_noise: FloatArray | None = None
     """Share of the FRFs' variance common to all channels of a run, see `Observed.shared_noise`."""
     runs: IntArray | None = None
-    """(n_out,) number of each channel's run, ascending; None: one run, or one for every force channel."""
+    """(n_out,) number of each channel's run; None: one run, or one for every force channel."""
+    forces: IntArray | None = None
+    """(n_out,) number of each channel's force spectrum, ascending; None: that of its run."""
+    response_once: BoolArray | None = None
+    """(n_freq, n_out) entries of `response` that no other channel has, see `Observed.response_once`."""
+    decorrelation: Decorrelation | None = None
+    """Correlated errors of FRFs to simultaneous forces, see `Observed.decorrelation`."""
 
     @property
     def run_of_channel(self) -> IntArray:
@@ -50,6 +57,11 @@ class Residual:
         n_out = self.frf.shape[1]
         own = self.force is not None and self.force.shape[1] == n_out
         return np.arange(n_out) if own else np.zeros(n_out, int)
+
+    @property
+    def force_of_channel(self) -> IntArray:
+        """(n_out,) number of each channel's force spectrum."""
+        return self.run_of_channel if self.forces is None else self.forces
 
     @property
     def parts(self) -> dict[str, ComplexArray | FloatArray]:
@@ -63,22 +75,27 @@ class Residual:
         Each has unit variance; noise of the force that channels have in common is counted once.
         """
         frf, response = self.frf, self.response
+        response_mask = self.mask_of("response", mask)
         if self.shared_noise is not None:
-            share, runs = self.shared_noise, self.run_of_channel
-            frf = decorrelated_by_run(frf, share, mask, runs)
-            response = None if response is None else decorrelated_by_run(response, share**2, mask, runs)
+            share, forces = self.shared_noise, self.force_of_channel
+            frf = decorrelated_by_run(frf, share, mask, forces)
+            if response is not None:
+                response = decorrelated_by_run(response, share**2, response_mask, forces)
+        if self.decorrelation is not None:
+            frf = self.decorrelation.of_frfs(frf, mask)
+            response = None if response is None else self.decorrelation.of_responses(response, response_mask)
         frf = frf[mask]
         parts = [np.sqrt(2) * frf.real, np.sqrt(2) * frf.imag]
         if self.force is not None:
-            parts.append(self.force[self.mask_of(self.force, mask)])
+            parts.append(self.force[self.mask_of("force", mask)])
         if response is not None:
-            parts.append(response[mask])
+            parts.append(response[response_mask])
         return np.concatenate(parts)
 
     def means_by_part(self, squares: FloatArray, mask: BoolArray) -> dict[str, float]:
         """Return the mean over each part of squares (n_data,) of the entries of `vector`."""
         counts = {
-            name: int(self.mask_of(part, mask).sum()) * (2 if np.iscomplexobj(part) else 1)
+            name: int(self.mask_of(name, mask).sum()) * (2 if np.iscomplexobj(part) else 1)
             for name, part in self.parts.items()
         }
         pieces = np.split(squares, np.cumsum(list(counts.values()))[:-1])
@@ -108,24 +125,26 @@ class Residual:
     def gaps(self, mask: BoolArray) -> dict[str, float]:
         """Return the mean square of each part at the entries of `mask`."""
         return {
-            name: float((np.abs(part[self.mask_of(part, mask)]) ** 2).mean()) if mask.any() else 0.0
+            name: float((np.abs(part[self.mask_of(name, mask)]) ** 2).mean()) if mask.any() else 0.0
             for name, part in self.rescaled.items()
         }
 
-    def mask_of(self, part: ComplexArray | FloatArray, mask: BoolArray) -> BoolArray:
-        """Return a mask (n_freq, n_out) for a part: of forces, where any channel of the run is in it."""
-        if part.shape[1] == mask.shape[1]:
+    def mask_of(self, part: str, mask: BoolArray) -> BoolArray:
+        """Return a mask (n_freq, n_out) for a part: of forces, where any channel of the force is in it."""
+        if part == "response" and self.response_once is not None:
+            return np.asarray(mask & self.response_once)
+        if part != "force" or self.force is None or self.force.shape[1] == mask.shape[1]:
             return mask
-        return np.logical_or.reduceat(mask, _first_channels(self.run_of_channel), axis=1)
+        return np.logical_or.reduceat(mask, _first_channels(self.force_of_channel), axis=1)
 
     def gap(self, mask: BoolArray) -> float:
         """Return the mean of the parts' mean squares."""
         return float(np.mean(list(self.gaps(mask).values())))
 
 
-def _first_channels(runs: IntArray) -> IntArray:
-    """Return the first channel of each run, (n_run,)."""
-    return np.unique(runs, return_index=True)[1]
+def _first_channels(forces: IntArray) -> IntArray:
+    """Return the first channel of each force, (n_force,)."""
+    return np.unique(forces, return_index=True)[1]
 
 
 def residual(observed: Observed, predicted: Predicted, *, noise_inflation: float = 0.0) -> Residual:
@@ -158,6 +177,9 @@ def residual(observed: Observed, predicted: Predicted, *, noise_inflation: float
         predicted.lines_correlated,
         observed.shared_noise,
         observed.runs,
+        observed.forces,
+        observed.response_once,
+        observed.decorrelation,
     )
 
 
@@ -202,7 +224,14 @@ def inflation_weights(observed: Observed, mask: BoolArray, noise_inflation: floa
         force = np.full(observed.force.shape, factor)
     if observed.incoherent_variance is not None:
         response = np.sqrt(observed.incoherent_variance / (observed.incoherent_variance + inflation))
-    return Residual((1 + 1j) / np.sqrt(2) * frf, force, response, runs=observed.runs).vector(mask)
+    factors = Residual(
+        (1 + 1j) / np.sqrt(2) * frf,
+        force,
+        response,
+        forces=observed.forces,
+        response_once=observed.response_once,
+    )
+    return factors.vector(mask)
 
 
 def error_ratio(narrow: Observed, wide: Observed) -> FloatArray:
@@ -213,7 +242,7 @@ def error_ratio(narrow: Observed, wide: Observed) -> FloatArray:
     if narrow.incoherent_variance is not None and wide.incoherent_variance is not None:
         response = np.sqrt(narrow.incoherent_variance / wide.incoherent_variance)
     frf = (1 + 1j) / np.sqrt(2) * narrow.error / wide.error
-    ratios = Residual(frf, force, response, runs=narrow.runs)
+    ratios = Residual(frf, force, response, forces=narrow.forces, response_once=narrow.response_once)
     return ratios.vector(narrow.fitted)
 
 
@@ -234,7 +263,7 @@ def correlation_lengths(
     if not residual.lines_correlated:
         return dict.fromkeys(residual.parts, observed.correlation_length)
     return {
-        name: _correlation_length(np.where(residual.mask_of(part, observed.usable), part, 0.0), max_lag)
+        name: _correlation_length(np.where(residual.mask_of(name, observed.usable), part, 0.0), max_lag)
         for name, part in residual.rescaled.items()
     }
 
@@ -251,11 +280,14 @@ def gap_errors(
         part = residual.parts[name]
         # A complex residual holds two numbers, so its mean square scatters less. Its error is from a
         # measured coherence: the square over that has an F distribution.
-        f_variance = 1 + 2 / max(observed.averages - 3, RESIDUAL.min_freedom)
+        f_variance = 1 + 2 / max(observed.conditional_averages - 3, RESIDUAL.min_freedom)
         square_variance = f_variance if np.iscomplexobj(part) else 2.0
-        run_mask = residual.mask_of(part, mask)
-        count = max(int(run_mask.sum()), 1)
-        channels = _dependent_channels(np.where(run_mask, residual.rescaled[name], 0.0))
+        part_mask = residual.mask_of(name, mask)
+        count = max(int(part_mask.sum()), 1)
+        values = np.where(part_mask, residual.rescaled[name], 0.0)
+        if name == "response" and residual.response_once is not None:
+            values = values[:, residual.response_once.any(axis=0)]
+        channels = _dependent_channels(values)
         errors[name] = float(np.sqrt(square_variance * length * channels / count))
     return errors
 

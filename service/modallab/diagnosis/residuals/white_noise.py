@@ -32,32 +32,31 @@ class NoiseData:
     other: FloatArray
     """What is incoherent without noise, as by leakage or a nonlinear force."""
     coherent: FloatArray
-    """Response to the force."""
+    """Response to the forces."""
+    gain: FloatArray
+    """1/kg^2, (n_freq, n_out, n_in), squared FRFs to the forces that act at once."""
     force: FloatArray
-    """N^2/Hz, the force without noise."""
-    n_run: int
-    """Number of runs."""
+    """N^2/Hz, (n_freq, n_out, n_in), these forces without noise."""
 
 
 def fit_white_noise(data: NoiseData, *, force_noise: bool, response_noise: bool) -> WhiteNoise:
     """Return the noise that fits incoherent spectra best, by least squares of their logarithms.
 
     With N of the force and P of a response the incoherent spectrum is I + P + |H|^2 G_ff N / (G_ff + N),
-    I its part without noise. The logarithms of all levels are fitted by damped Gauss-Newton steps, those
-    of the responses eliminated by the Schur complement.
+    I its part without noise; of several forces the sum, as if they were uncorrelated. The logarithms of all
+    levels are fitted by damped Gauss-Newton steps, those of the responses eliminated by the Schur complement.
     """
     n_out = data.measured.shape[1]
     used = data.weight > 0
     floor = FREE_LEVELS.least_noise * np.median(data.coherent + data.other, axis=0) + SAFE_SQUARED_DIVISOR
     force_floor = FREE_LEVELS.least_noise * float(np.median(data.force)) + SAFE_SQUARED_DIVISOR
     response, force = np.zeros(n_out), 0.0
-    gain = data.coherent / data.force
     if response_noise:
         response = np.maximum(_low(data.measured, used), floor)
     if force_noise:
-        per_force = data.measured / np.maximum(gain, SAFE_DIVISOR)
+        per_force = data.measured / np.maximum(data.gain.sum(axis=2), SAFE_DIVISOR)
         force = max(float(_low(per_force, used & data.fitted).min()), force_floor)
-    fit = _Fit(data, gain, free=(force_noise, response_noise))
+    fit = _Fit(data, free=(force_noise, response_noise))
     cost, (steps_force, steps_response) = fit.steps(force, response)
     for _ in range(FREE_LEVELS.max_iterations):
         step_force = float(np.clip(steps_force, -FREE_LEVELS.max_step, FREE_LEVELS.max_step))
@@ -88,8 +87,8 @@ def _low(values: FloatArray, used: BoolArray) -> FloatArray:
 class _Fit:
     """Normal equations of the logarithms of all levels."""
 
-    def __init__(self, data: NoiseData, gain: FloatArray, free: tuple[bool, bool]) -> None:
-        self._data, self._gain, self._free = data, gain, free
+    def __init__(self, data: NoiseData, free: tuple[bool, bool]) -> None:
+        self._data, self._free = data, free
         self._weight_of_force = data.weight * data.fitted
         self._log = np.log(data.measured)
 
@@ -97,10 +96,10 @@ class _Fit:
         """Return the cost, and the Gauss-Newton steps of ln N and of ln P (n_out,)."""
         data = self._data
         share = data.force / (data.force + force)
-        of_force = self._gain * share * force
-        expected = data.other + response + of_force
+        of_forces = data.gain * share * force
+        expected = data.other + response + of_forces.sum(axis=2)
         misfit = self._log - np.log(expected)
-        by_force = of_force * share / expected
+        by_force = (of_forces * share).sum(axis=2) / expected
         by_response = response / expected
         weight = data.weight
         cost = float((weight * misfit**2).sum())

@@ -123,6 +123,7 @@ class _WhitenedFrfs:
     def __init__(self, observed: Observed, h: ComplexArray) -> None:
         mask = observed.fitted
         self.place = np.flatnonzero(mask)
+        self._mask, self._decorrelation = mask, observed.decorrelation
         self._ratio = (observed.h / np.where(observed.usable, h, 1.0))[mask]
         error = observed.error[mask]
         self._logarithm = logarithm_weight(observed.error)[mask]
@@ -131,11 +132,10 @@ class _WhitenedFrfs:
         common = np.zeros_like(error) if observed.shared_noise is None else observed.shared_noise[mask]
         remainder = np.sqrt(1 - common)
         self._error, self._shared = error * remainder, np.sqrt(common) / remainder
-        # Noise that the channels of a run share in a line is counted once, see `Residual.vector`.
-        line_and_run = (
-            np.nonzero(mask)[0] * (observed.runs[-1] + 1) + np.broadcast_to(observed.runs, mask.shape)[mask]
-        )
-        self._count = np.unique(line_and_run, return_counts=True)[1]
+        # Noise of a force that channels share in a line is counted once, see `Residual.vector`.
+        forces = observed.forces
+        line_and_force = np.nonzero(mask)[0] * (forces[-1] + 1) + np.broadcast_to(forces, mask.shape)[mask]
+        self._count = np.unique(line_and_force, return_counts=True)[1]
         self._start = np.concatenate([[0], np.cumsum(self._count)[:-1]]).astype(int)
         size = np.add.reduceat(self._shared**2, self._start) if len(error) else np.zeros(0)
         self._reduction = (1 - 1 / np.sqrt(1 + size)) / np.maximum(size, SAFE_DIVISOR)
@@ -152,7 +152,14 @@ class _WhitenedFrfs:
         if self._shared.any():
             common = self._reduction * np.add.reduceat(self._shared * difference, self._start, axis=1)
             difference -= np.repeat(common, self._count, axis=1) * self._shared
-        return difference
+        return self._decorrelated(difference)
+
+    def _decorrelated(self, difference: ComplexArray) -> ComplexArray:
+        if self._decorrelation is None:
+            return difference
+        everywhere = np.zeros((len(difference), *self._mask.shape), complex)
+        everywhere[:, self._mask] = difference
+        return np.asarray(self._decorrelation.of_frfs(everywhere, self._mask)[:, self._mask])
 
 
 class _TestReceptances:
@@ -178,24 +185,24 @@ class _TestReceptances:
         Parameters
         ----------
         places
-            Indices of entries (n_lines, n_run n_out), counted line by line.
+            Indices of entries (n_lines, n_force n_out), counted line by line.
         """
         stiffness = self._attached.of(variants)
         if stiffness is None:
             return None
         columns, z = stiffness[0], stiffness[1][:, None]
         to_b, within, from_b = self._receptances(columns)
-        # z (n_variants, 1, n_lines, r, r) against (n_run, n_lines, ...): every size in every run.
+        # z (n_variants, 1, n_lines, r, r) against (n_force, n_lines, ...): every size for every force.
         if z.shape[-1] == 1:  # without a call for every line
             inner, force = z * within, z * from_b
         else:
             inner, force = z @ within, z @ from_b
         inner[..., np.arange(z.shape[-1]), np.arange(z.shape[-1])] += 1.0
         forces = solve_small(inner, force)[..., 0]
-        line, run, out = np.unravel_index(places, np.moveaxis(self._direct, 0, 1).shape)
-        alpha, direct = to_b[run, line, out], self._direct[run, line, out]
+        line, force_number, out = np.unravel_index(places, np.moveaxis(self._direct, 0, 1).shape)
+        alpha, direct = to_b[force_number, line, out], self._direct[force_number, line, out]
         # Motion by motion: matrix products of so few would be a call for every line.
-        change = sum(alpha[:, i] * forces[..., i][:, run, line] for i in range(z.shape[-1]))
+        change = sum(alpha[:, i] * forces[..., i][:, force_number, line] for i in range(z.shape[-1]))
         return np.asarray(1 - change / direct)
 
     def derivatives(self, exchanged: Sequence[Exchange]) -> ComplexArray:
@@ -214,34 +221,34 @@ class _TestReceptances:
         return np.moveaxis(change, 1, 2).reshape(len(exchanged), len(self.omega), -1)
 
     def _all_receptances(self) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-        """Return alpha_oX (n_run, n_lines, n_out, n) of all DoFs, alpha_dX (.., n), alpha_od (.., n_out)."""
-        alpha = []
+        """Return alpha_oX (n_force, n_lines, n_out, n) of all DoFs, alpha_dX (.., n) and alpha_od."""
+        to_outputs, from_drive, direct = [], [], []
         for run in self._runs:
-            drive = run.system.selection(run.acquisition_run.drives[:1])
-            rows = np.hstack([run.system.selection(run.motions), drive])
-            columns = np.hstack([drive, np.eye(len(drive))])
+            drives = run.system.selection(run.acquisition_run.drives)
+            n_in = drives.shape[1]
+            rows = np.hstack([run.system.selection(run.motions), drives])
+            columns = np.hstack([drives, np.eye(len(drives))])
             response = run.system.base_modes(float(self.omega.max()) / (2 * np.pi)).at(self.omega)
-            alpha.append(attached(response, run.system, rows, columns))
-        to_outputs = np.array(
-            [run.channel_motions(run_alpha[:, :-1]) for run, run_alpha in zip(self._runs, alpha, strict=True)]
-        )
-        return (
-            to_outputs[..., 1:],
-            np.array([run_alpha[:, -1, 1:] for run_alpha in alpha]),
-            to_outputs[..., 0],
-        )
+            alpha = attached(response, run.system, rows, columns)
+            run_outputs = run.channel_motions(alpha[:, :-n_in])
+            for i in range(n_in):
+                to_outputs.append(run_outputs[..., n_in:])
+                from_drive.append(alpha[:, i - n_in, n_in:])
+                direct.append(run_outputs[..., i])
+        return np.array(to_outputs), np.array(from_drive), np.array(direct)
 
     def _direct_receptances(self) -> ComplexArray:
-        """Return alpha_od (n_run, n_lines, n_out) from each run's drive point to its responses."""
-        drives = [run.acquisition_run.drive for run in self._runs]
+        """Return alpha_od (n_force, n_lines, n_out) from each drive point to the responses of its run."""
+        runs = [run for run in self._runs for _ in run.acquisition_run.drives]
+        drives = [drive for run in self._runs for drive in run.acquisition_run.drives]
         direct = {
-            drive: self._receptances(self._runs[drives.index(drive)].system.selection((drive,)))[0][..., 0]
+            drive: self._receptances(runs[drives.index(drive)].system.selection((drive,)))[0][..., 0]
             for drive in dict.fromkeys(drives)
         }
         return np.array([direct[drive][i] for i, drive in enumerate(drives)])
 
     def _receptances(self, columns: FloatArray) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-        """Return alpha_oB (n_run, n_lines, n_out, r), alpha_BB and alpha_Bd (.., r, 1) of columns (n, r)."""
+        """Return alpha_oB (n_force, n_lines, n_out, r), alpha_BB and alpha_Bd (.., r, 1) of r columns."""
         alpha: list[ComplexArray] = []
         within: list[ComplexArray] = []
         for receptance_map in self._maps:
@@ -249,8 +256,15 @@ class _TestReceptances:
             alpha += list(to_b)
             within += list(block)
         to_outputs = [run.channel_motions(block) for run, block in zip(self._runs, alpha, strict=True)]
-        from_b = [block[:, :1].swapaxes(1, 2) for block in alpha]
-        return np.array(to_outputs), np.array(within), np.array(from_b)
+        # The motions of a run begin with those of its drive points.
+        of_force = [
+            (i, d) for i, run in enumerate(self._runs) for d in range(len(run.acquisition_run.drives))
+        ]
+        return (
+            np.array([to_outputs[i] for i, _ in of_force]),
+            np.array([within[i] for i, _ in of_force]),
+            np.array([alpha[i][:, d : d + 1].swapaxes(1, 2) for i, d in of_force]),
+        )
 
 
 def _solution_groups(runs: Sequence[Run]) -> list[Sequence[Run]]:

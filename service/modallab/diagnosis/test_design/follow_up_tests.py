@@ -26,8 +26,8 @@ class FollowUpOption:
 def follow_up_options(setup: RigSetup, system: DynamicSystem) -> Iterator[FollowUpOption]:
     """Yield the further tests that are considered, the cheapest first."""
     yield from _analyser_options(setup)
-    roving_hammer = len(setup.drives) > 1
-    points = [d.point for d in setup.responses if d.point != setup.drive.point and not roving_hammer]
+    several = len(setup.drives) > 1
+    points = [d.point for d in setup.responses if d.point != setup.drive.point and not several]
     for drive in _evenly_spaced(points, FOLLOW_UP.n_drives):
         yield FollowUpOption(
             Change(drive=drive),
