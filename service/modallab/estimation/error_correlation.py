@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 import scipy.optimize
 
-from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.numerics import SAFE_DIVISOR, SUM_ROUNDING
 from modallab.estimation.settings import ERROR_CORRELATION, SPECTRUM
 from modallab.estimation.windows import WINDOWS, Window
@@ -34,15 +34,39 @@ class ErrorCorrelation:
         """Whether the window is an exponential one."""
         return self.window.end < 1
 
+    def by_separation(self, n: int) -> ComplexArray:
+        """Return the correlation of a line's error with those of the n - 1 lines below it, (n,), 1 first."""
+        separation = np.arange(n)
+        power = self.window.samples(max(SPECTRUM.window_samples, 2 * n)) ** 2
+        correlation = np.fft.fft(power)[:n] / power.sum() * np.exp(2j * np.pi * separation * self.delay)
+        return np.asarray(np.abs(correlation) ** 2 + 0j if self.random_force else correlation)
+
     def matrix(self, n: int) -> ComplexArray:
         """Return the correlation of n neighbouring lines, (n, n)."""
-        lag = np.arange(n)
-        power = self.window.samples(SPECTRUM.window_samples) ** 2
-        by_lag = np.fft.fft(power)[:n] / power.sum() * np.exp(2j * np.pi * lag * self.delay)
+        line = np.arange(n)
+        return self.between(line[:, None] - line)
+
+    def between(self, separation: IntArray) -> ComplexArray:
+        """Return the correlation of lines that are so many lines apart, of the shape of `separation`.
+
+        Parameters
+        ----------
+        separation
+            Number of the first line less that of the second.
+        """
+        correlation = self.by_separation(int(np.abs(separation).max(initial=0)) + 1)[np.abs(separation)]
+        return np.asarray(np.where(separation >= 0, correlation, correlation.conj()))
+
+    def power(self, n: int) -> FloatArray:
+        """Return the power of the errors at n instants of a record, from the force on, (n,) of sum 1.
+
+        Its transform is the correlation by separation.
+        """
+        power = self.window.samples(n) ** 2
+        power = np.roll(power / power.sum(), -round(self.delay * n))
         if self.random_force:
-            by_lag = np.abs(by_lag) ** 2 + 0j
-        offset = lag[:, None] - lag
-        return np.asarray(np.where(offset >= 0, by_lag[np.abs(offset)], by_lag[np.abs(offset)].conj()))
+            power = np.fft.irfft(np.abs(np.fft.rfft(power)) ** 2, n)
+        return np.asarray(power)
 
     def whitening(self, n: int) -> ComplexArray:
         """Return the matrix that makes the errors of n neighbouring lines independent, (n, n)."""

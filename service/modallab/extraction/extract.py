@@ -11,6 +11,7 @@ from modallab.core.frf import FrfSet
 from modallab.core.line_options import Band, line_mask
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, part, silent
+from modallab.estimation.error_correlation import ErrorCorrelation
 from modallab.extraction.averaging.damping_model import (
     select_damping_model,
     with_contradiction_flags,
@@ -22,6 +23,7 @@ from modallab.extraction.multi_mode.global_method import GLOBAL_METHODS
 from modallab.extraction.multi_mode_extraction import extract_globally
 from modallab.extraction.options import Damping, ExtractionOptions
 from modallab.extraction.preprocessing.leakage import WindowLeakage, noise_bias_of
+from modallab.extraction.preprocessing.line_noise import has_coherence
 from modallab.extraction.preprocessing.low_coherence import low_coherence_notes
 from modallab.extraction.preprocessing.noise_bias import (
     leaked_force_noise,
@@ -54,6 +56,7 @@ def extract(
     n_modes: int | None = None,
     leakage: WindowLeakage | None = None,
     estimator: str | None = None,
+    correlation: ErrorCorrelation | None = None,
     exclude: Sequence[Band] = (),
     progress: Progress = silent,
 ) -> ModalModel:
@@ -84,6 +87,9 @@ def extract(
         within the window.
     estimator
         "h1", "h2" or "hv", for the correction of its bias by noise; None if unknown.
+    correlation
+        Correlation of the random errors of lines by the window of records without leakage; None: lines are
+        independent.
     exclude
         Pairs (lower, upper), Hz, whose lines are left out.
     progress
@@ -109,6 +115,8 @@ def extract(
     if lines is not None:
         frf, coherence = frf.at(lines), None if coherence is None else coherence[lines]
     responses, bias = responses_read(frf, coherence, averages, leakage=leakage, estimator=estimator)
+    if leakage is None:
+        responses = replace(responses, correlation=correlation)
     choice = (
         default_method(len(responses.references), options)
         if method is None
@@ -197,4 +205,6 @@ def responses_read(
         return without_noise_bias(responses, shares, leakage.estimator)[0], 0.0
     # with several references the bias is not corrected, because noise of one force affects all FRFs
     kind = None if estimator is None or len(responses.references) > 1 else noise_bias_of(estimator)
-    return without_noise_bias(responses, noise_to_signal(responses, kind), kind)
+    noise = noise_to_signal(responses, kind)
+    responses, bias = without_noise_bias(responses, noise, kind)
+    return replace(responses, noise=noise if has_coherence(responses) else None), bias

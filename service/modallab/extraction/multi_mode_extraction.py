@@ -26,6 +26,7 @@ from modallab.extraction.options import Damping, DistantLinesOptions, Extraction
 from modallab.extraction.preprocessing.bands import Band, mode_indicator
 from modallab.extraction.preprocessing.leakage import WindowLeakage
 from modallab.extraction.preprocessing.line_noise import has_coherence, line_weights
+from modallab.extraction.preprocessing.noise_model import NoiseModel
 from modallab.extraction.preprocessing.responses import Responses
 from modallab.extraction.settings import NOTES, PROGRESS_SHARES
 from modallab.extraction.single_mode.method import EXTRACTION_METHODS
@@ -160,7 +161,8 @@ def _fits(
     for number, chart in enumerate(charts):
         range_progress = part(progress, number / len(charts), (number + 1) / len(charts))
         freq, lines = responses.freq[chart.lines], chart.lines
-        stretch = BandData(freq, responses.receptance[lines], weights[lines], weights_known, n_ref, drifting)
+        noise, receptance = NoiseModel.of(responses, lines), responses.receptance[lines]
+        stretch = BandData(freq, receptance, weights[lines], weights_known, n_ref, drifting, noise)
         modes = modes_of(find, stretch, chart.orders, damping, leaked=leaked, progress=range_progress)
         if modes is not None and modes.inside.any():
             fits.append(GlobalFit(lines, modes))
@@ -223,6 +225,7 @@ def _subset_of_frfs(responses: Responses) -> Responses:
         responses,
         receptance=responses.receptance[:, frfs],
         coherence=responses.coherence[:, frfs],
+        noise=None if responses.noise is None else responses.noise.of_frfs(frfs),
         dofs=tuple(responses.dofs[row] for row in rows),
     )
 
@@ -233,6 +236,7 @@ def _subset_of_lines(responses: Responses, lines: slice) -> Responses:
         freq=responses.freq[lines],
         receptance=responses.receptance[lines],
         coherence=responses.coherence[lines],
+        noise=None if responses.noise is None else responses.noise.at(lines),
     )
 
 

@@ -22,6 +22,7 @@ from modallab.extraction.preprocessing.leakage import WindowLeakage
 from modallab.extraction.preprocessing.line_noise import has_coherence
 from modallab.extraction.preprocessing.responses import Responses
 from modallab.extraction.settings import NOTES
+from modallab.extraction.single_mode.correlated_fits import with_correlated_errors
 from modallab.extraction.single_mode.damping_models import DAMPING_MODELS
 from modallab.extraction.single_mode.fit_data import window_data
 from modallab.extraction.single_mode.fit_table import FitTable
@@ -69,6 +70,8 @@ def extract_mode_by_mode(
     if leakage is not None:
         accuracy = line_accuracy(responses, windows.index) if has_coherence(responses) else None
         settled = with_leakage_errors(fit, damping_model, data, leakage, settled, accuracy)
+    elif responses.correlation is not None:
+        settled = with_correlated_errors(fit, damping_model, data, settled, responses, windows.index)
     table = replace(settled.table, lines=windows.ends)
     notes = [*peaks.notes, *_empty_band_notes(table, freq, fit_bands, requested=bands is not None)]
     notes += _choice_notes(registered, method, windows, line_choice)
@@ -82,7 +85,13 @@ def extract_mode_by_mode(
         method=method,
         notes=notes,
         choices=line_choice.choices,
-        noise_correlation=shared_noise_fraction(damping_model, data, settled, windows.index),
+        noise_correlation=shared_noise_fraction(
+            damping_model,
+            data,
+            settled,
+            windows.index,
+            responses.noise if len(responses.references) == 1 else None,
+        ),
     )
     if leakage is None and registered.exact:
         model = flag_misfits(model, responses, damping_model, line_choice.leave_out)

@@ -9,6 +9,7 @@ from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.line_options import Band, line_mask
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress
+from modallab.estimation.error_correlation import ErrorCorrelation
 from modallab.estimation.windows import WINDOWS, added_loss_factor
 from modallab.extraction.averaging.resynthesis import resynthesise
 from modallab.extraction.averaging.window_damping import without_window_damping
@@ -19,6 +20,7 @@ from modallab.extraction.preprocessing.leakage import WindowLeakage
 from modallab.jobs.destination import Destination
 from modallab.jobs.settings import JOB
 from modallab.rig.excitation import EXCITATIONS
+from modallab.rig.measure import Route
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 from modallab.store.base import Store
@@ -33,6 +35,23 @@ def leakage_of(setup: RigSetup) -> WindowLeakage | None:
         return None
     window = WINDOWS[analyser.window].samples(JOB.window_samples)
     return WindowLeakage.from_window(window, analyser.estimator, source_mass=setup.exciter.armature_mass)
+
+
+def correlation_of(measurement: Measurement) -> ErrorCorrelation | None:
+    """Return the correlation of the errors of lines by an exponential window; None: lines are independent.
+
+    That of imported lines is the one of the declared window, and of a blow at the start of the record unless
+    the log book declares an impact. Lines that are drawn one by one are independent.
+    """
+    analyser = measurement.setup.analyser
+    if analyser.line_window.end == 1 or measurement.route == Route.DRAWN:
+        return None
+    setting, kind = analyser.excitation, EXCITATIONS[analyser.excitation.kind]
+    return ErrorCorrelation(
+        analyser.line_window,
+        random_force=kind.transient is not None and not kind.deterministic,
+        delay=setting.pre_trigger if kind.deterministic_transient else 0.0,
+    )
 
 
 @dataclass(frozen=True)
@@ -75,6 +94,7 @@ def extract_and_store(
         exclude=request.exclude,
         leakage=leakage_of(measurement.setup),
         estimator=measurement.setup.analyser.estimator,
+        correlation=correlation_of(measurement),
         progress=progress,
     )
     if request.correct_window_damping and measurement.setup.analyser.line_window.end < 1:

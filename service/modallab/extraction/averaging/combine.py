@@ -27,7 +27,7 @@ def combine_fits(
     method: str,
     notes: Sequence[str] = (),
     choices: Mapping[str, str] = NO_CHOICES,
-    noise_correlation: float = 0.0,
+    noise_correlation: FloatArray | float = 0.0,
 ) -> ModalModel:
     """Return modes with their spread over the FRFs and complex shapes.
 
@@ -53,17 +53,19 @@ def combine_fits(
     method, notes, choices
         Entries of the modal model.
     noise_correlation
-        Correlation of the errors of different FRFs, 0 to 1, from `shared_noise_fraction`.
+        (n_modes,) or for all modes, correlation of the errors of different FRFs, 0 to 1, from
+        `shared_noise_fraction`.
     """
     order = _order(table)
+    common = np.broadcast_to(noise_correlation, len(table.frequency))
     names = frf_names(dofs, references)
     constant, error = table.modal_constant[order], table.modal_constant_error[order]
-    shapes = reference_shapes(constant, error, dofs, references, noise_correlation)
+    shapes = reference_shapes(constant, error, dofs, references, common[order, None])
     inconsistency = find_frequency_inconsistency(_fitted_modes(table, order, shapes, len(references)))
     identified = table.screening.good[order] | table.screening.outlying[order]
     return ModalModel(
         modes=tuple(
-            _mode(table, int(m), _averaging(inconsistency, r), noise_correlation, shapes, r, names)
+            _mode(table, int(m), _averaging(inconsistency, r), float(common[m]), shapes, r, names)
             for r, m in enumerate(order)
         ),
         dofs=tuple(dofs),
@@ -78,7 +80,7 @@ def combine_fits(
         frequency_inconsistency=inconsistency,
         choices={
             **choices,
-            "means": choice_of_means(inconsistency, noise_correlation),
+            "means": choice_of_means(inconsistency, common[order]),
             **shapes.choice_text(),
         },
         notes=(

@@ -11,12 +11,13 @@ from modallab.extraction.averaging.settings import SHARED_NOISE
 from modallab.extraction.single_mode.fit_table import FitTable
 
 
-def choice_of_means(inconsistency: FrequencyInconsistency | None, noise_correlation: float) -> str:
-    """Return the kind of averages over FRFs, with its reason."""
+def choice_of_means(inconsistency: FrequencyInconsistency | None, noise_correlation: FloatArray) -> str:
+    """Return the kind of averages over FRFs, with its reason; correlation of FRFs (n_modes,) of each mode."""
+    least, most = (f"{100 * part(noise_correlation):.0f}" for part in (np.min, np.max))
+    percent = most if least == most else f"{least} to {most}"
     return _means(inconsistency) + (
-        f"; {100 * noise_correlation:.0f} % of their random error is common to all FRFs and is not"
-        " reduced by the mean"
-        if noise_correlation > SHARED_NOISE.noted_fraction
+        f"; {percent} % of their random error is common to all FRFs and is not reduced by the mean"
+        if noise_correlation.max(initial=0.0) > SHARED_NOISE.noted_fraction
         else ""
     )
 

@@ -115,7 +115,7 @@ def reference_shapes(
     error: FloatArray,
     dofs: Sequence[Dof],
     references: Sequence[Dof],
-    noise_correlation: float = 0.0,
+    noise_correlation: FloatArray | float = 0.0,
 ) -> ReferenceShapes:
     """Return one shape for each mode, mass-normalised where a drive point is among the DoFs.
 
@@ -241,7 +241,7 @@ def _scale(factors: _Factors, rows: IntArray, at: IntArray, sense: IntArray) -> 
 
 
 def _mass_normalised_shapes(
-    scale: Scale, factors: _Factors, noise_correlation: float
+    scale: Scale, factors: _Factors, noise_correlation: FloatArray | float
 ) -> tuple[ComplexArray, FloatArray]:
     """Return mass-normalised shapes and the errors of their modulus; zeros where no drive point moves.
 

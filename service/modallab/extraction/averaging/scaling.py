@@ -6,7 +6,11 @@ from modallab.core.arrays import ComplexArray, FloatArray
 
 
 def scaled_shapes(
-    constant: ComplexArray, error: FloatArray, drive: int | None, sense: int, noise_correlation: float = 0.0
+    constant: ComplexArray,
+    error: FloatArray,
+    drive: int | None,
+    sense: int,
+    noise_correlation: FloatArray | float = 0.0,
 ) -> tuple[ComplexArray, FloatArray]:
     """Return shapes and standard errors of their modulus, (n_modes, n_frf).
 
@@ -32,7 +36,11 @@ def scaled_shapes(
 
 
 def _mass_normalised(
-    constant: ComplexArray, error: FloatArray, drive_row: int, sense: int, noise_correlation: float
+    constant: ComplexArray,
+    error: FloatArray,
+    drive_row: int,
+    sense: int,
+    noise_correlation: FloatArray | float,
 ) -> tuple[ComplexArray, FloatArray]:
     drive_constant = sense * constant[:, drive_row, None]
     moves = drive_constant != 0

@@ -28,7 +28,7 @@ class ModalFit:
     misfit: FloatArray
     """(n_frf,) mean squared residual over the variance of the lines."""
     common_noise: float = 0.0
-    """Part, 0 to 1, of the least relative variance at each line that is common to all FRFs."""
+    """Part, 0 to 1, of the variance of lines near resonances that is common to all FRFs."""
     participation: ComplexArray | None = None
     """(n_modes, n_ref) participation factors, `A_jk = psi_j L_k`; None where each FRF has its own
     constant."""

@@ -19,6 +19,7 @@ from modallab.extraction.multi_mode.variable_projection import (
     with_similar_weights,
 )
 from modallab.extraction.options import Damping
+from modallab.extraction.preprocessing.noise_model import INDEPENDENT_LINES, NoiseModel
 
 
 def fit_modes(
@@ -29,6 +30,7 @@ def fit_modes(
     *,
     damping: Damping = Damping.STRUCTURAL,
     participation: ComplexArray | None = None,
+    noise: NoiseModel = INDEPENDENT_LINES,
     progress: Progress = silent,
 ) -> ModalFit:
     """Return all modes in all FRFs, with residuals, from eigenvalues to start at.
@@ -52,6 +54,8 @@ def fit_modes(
     participation
         (n_modes, n_ref) initial participation factors: the modal constants of a mode are then products
         `psi_j L_k`, and as many modes as references may coincide. None if each FRF has its own constant.
+    noise
+        Common errors of the lines, for the standard errors.
     progress
         Receives the progress by iterations.
 
@@ -61,7 +65,7 @@ def fit_modes(
     Kaufman, L. (1975), BIT 15, 49-57.
     """
     n_ref = 1 if participation is None else participation.shape[1]
-    lines = scale_lines(2 * np.pi * freq, receptance, weight, n_ref)
+    lines = scale_lines(2 * np.pi * freq, receptance, weight, n_ref, noise)
     order = np.argsort(start, kind="stable")
     reach = None if participation is None or n_ref == 1 else participation[order]
     basis, begin = _begin(start[order] / lines.unit**2, reach, damping)

@@ -89,11 +89,13 @@ def _constants(
             "rmpck,jrk->rjmcp", slopes, coefficients, optimize=True
         )
     propagated = np.einsum("rjmcp,pq,rjmcq->rjm", follow, covariances.parameters, follow, optimize=True) / 2
+    if covariances.cross is not None:
+        propagated += np.einsum("rmck,jrkp,rjmcp->rjm", per, covariances.cross, follow, optimize=True)
     constant, conditional, propagated = (
         values.reshape(n_modes, -1)
         for values in (parts[..., 0] + 1j * parts[..., 1], conditional, propagated)
     )
-    return constant, np.maximum(conditional, 0.0), np.maximum(propagated, 0.0)
+    return constant, np.maximum(conditional, 0.0), np.maximum(propagated, -conditional)
 
 
 def _significance(

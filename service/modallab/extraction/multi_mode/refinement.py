@@ -15,6 +15,7 @@ from modallab.extraction.multi_mode.split_modes import Merged, merged_in_ranges,
 from modallab.extraction.multi_mode.variable_projection import affected_by_outer_modes
 from modallab.extraction.options import Damping
 from modallab.extraction.preprocessing.line_noise import weights_from_residuals
+from modallab.extraction.preprocessing.noise_model import INDEPENDENT_LINES, NoiseModel
 
 BELOW_NOISE = "not above random error in any FRF"
 
@@ -35,6 +36,8 @@ class BandData:
     """Number of references, and so of FRFs of each DoF."""
     drift_ranges: tuple[tuple[float, float], ...] = ()
     """Hz, ranges in which a mode drifts from FRF to FRF, and so is one mode."""
+    noise: NoiseModel = INDEPENDENT_LINES
+    """Common errors of the lines."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,6 +106,7 @@ def refine_all(
             start.eigenvalue,
             damping=damping,
             participation=start.participation,
+            noise=band_data.noise,
             progress=step,
         )
         start = StartingPoles(fit.eigenvalue, fit.participation)

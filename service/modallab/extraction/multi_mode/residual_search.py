@@ -61,6 +61,7 @@ def _with_candidates(
         start.eigenvalue,
         damping=damping,
         participation=start.participation,
+        noise=band_data.noise,
     )
     for _ in range(RESIDUAL_POLES.trials):
         proper = _explained(band_data, before, _residual(band_data, fit, damping), candidates)

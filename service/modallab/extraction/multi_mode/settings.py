@@ -445,6 +445,11 @@ class ModalCovarianceSettings(Settings):
         doc="Correlation of FRFs that is significant.",
         derived="3 sigma: one of 370 by chance",
     )
+    simultaneous_part: float = setting(
+        0.5,
+        doc="Correlation of FRFs, over that by noise of one force, from which all were recorded together.",
+        derived="two runs of as many FRFs each leave less than half of the pairs with one force",
+    )
     frfs_in_memory: int = setting(32, unit="FRFs", doc="FRFs that are treated together.", derived="memory")
 
 

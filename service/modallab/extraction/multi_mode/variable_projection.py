@@ -14,6 +14,7 @@ from modallab.extraction.multi_mode.pole_basis import PoleBasis, all_columns, al
 from modallab.extraction.multi_mode.reference_mixing import ReferenceMixing, reference_mixing
 from modallab.extraction.multi_mode.settings import PROJECTION
 from modallab.extraction.multi_mode.weighted_products import grouped_products, weighted_products
+from modallab.extraction.preprocessing.noise_model import INDEPENDENT_LINES, NoiseModel
 
 Number = TypeVar("Number", bound=np.generic)
 
@@ -42,6 +43,8 @@ class ScaledLines:
     """Groups of lines with proportional weights; None where they would not save time."""
     fixed_poles: tuple[float, ...] = ()
     """In `unit`, fixed poles above the range."""
+    noise: NoiseModel = INDEPENDENT_LINES
+    """Common errors of the lines."""
 
     def reference_mixing(self, basis: PoleBasis, parameters: FloatArray) -> ReferenceMixing:
         """Return the linear map between sums of single FRFs and of all FRFs of a DoF."""
@@ -67,7 +70,11 @@ class LinearSolution:
 
 
 def scale_lines(
-    omega: FloatArray, response: ComplexArray, weight: FloatArray, n_references: int = 1
+    omega: FloatArray,
+    response: ComplexArray,
+    weight: FloatArray,
+    n_references: int = 1,
+    noise: NoiseModel = INDEPENDENT_LINES,
 ) -> ScaledLines:
     """Return the lines on scales of order one; an FRF without any weight becomes zero.
 
@@ -79,6 +86,8 @@ def scale_lines(
         (n_lines, n_frf) m/N and one over E|error|^2, DoF by DoF.
     n_references
         Number of references that share the shapes of modes; 1 if each FRF has its own modal constants.
+    noise
+        Common errors of the lines.
     """
     used = weight > 0
     power = stack_references(np.where(used, np.abs(response), 0.0) ** 2, n_references).mean(axis=0)
@@ -97,6 +106,7 @@ def scale_lines(
         size,
         groups if groups.worthwhile else None,
         fixed_poles,
+        noise,
     )
 
 

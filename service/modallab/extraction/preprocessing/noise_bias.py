@@ -1,24 +1,15 @@
 """Bias of FRFs by noise of the force and of the responses, and its correction."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.core.numerics import PRODUCT_ROUNDING, SAFE_DIVISOR
 from modallab.extraction.preprocessing.leakage import NoiseBias, WindowLeakage
+from modallab.extraction.preprocessing.noise_ratios import NoiseToSignal
 from modallab.extraction.preprocessing.responses import Responses
 from modallab.extraction.preprocessing.settings import NOISE_BIAS
-
-
-@dataclass(frozen=True, eq=False)
-class NoiseToSignal:
-    """Ratio of noise power to signal power at each line."""
-
-    force: FloatArray
-    """(n_freq,) of the force."""
-    response: FloatArray
-    """(n_freq, n_frf) of the responses."""
 
 
 def noise_to_signal(responses: Responses, estimator: NoiseBias | None) -> NoiseToSignal:

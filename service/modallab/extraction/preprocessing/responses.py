@@ -11,10 +11,12 @@ from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import frf_names
 from modallab.core.numerics import COMPARISON_ROUNDING
+from modallab.estimation.error_correlation import ErrorCorrelation
 from modallab.estimation.partial_coherence import partial_coherence
 from modallab.extraction.options import MIN_LINES
 from modallab.extraction.preprocessing.bands import coherent_lines
 from modallab.extraction.preprocessing.fit_windows import line_variance
+from modallab.extraction.preprocessing.noise_ratios import NoiseToSignal
 from modallab.extraction.preprocessing.settings import RESPONSES
 
 
@@ -37,6 +39,10 @@ class Responses:
     """(n_dof,) measured degrees of freedom."""
     references: tuple[Dof, ...]
     """(n_ref,) reference degrees of freedom."""
+    correlation: ErrorCorrelation | None = None
+    """Correlation of the random errors of lines by the window; None: lines are independent."""
+    noise: NoiseToSignal | None = None
+    """Noise of force and responses as coherence shows it; None: not known."""
 
     @property
     def mobility(self) -> ComplexArray:

@@ -154,6 +154,18 @@ class LineNoiseSettings(Settings):
 
 
 @dataclass(frozen=True)
+class CorrelatedLineSettings(Settings):
+    """Lines whose errors the window of the records correlates."""
+
+    farthest: int = setting(
+        64,
+        unit="lines",
+        doc="Distance of lines from which on their correlation is taken as periodic.",
+        derived="an exponential window that falls to 0.01 leaves a correlation of 0.02, one to 1e-6 of 0.07",
+    )
+
+
+@dataclass(frozen=True)
 class LowCoherenceSettings(Settings):
     """Note on modes at lines of low coherence."""
 
@@ -218,6 +230,7 @@ class ResponseSettings(Settings):
 
 BANDS = BandSettings()
 COMMON_PEAKS = CommonPeakSettings()
+CORRELATED_LINES = CorrelatedLineSettings()
 FIT_WINDOWS = FitWindowSettings()
 LEAKAGE = LeakageSettings()
 LEAKED_LINES = LeakedLineSettings()

@@ -43,6 +43,8 @@ class ConvergedFits:
     """(n_modes, n_frf, n_lines) m/N, response of the other modes."""
     inertance: BoolArray
     """(n_modes,) True where the mode was fitted to inertance."""
+    remaining_noise: FloatArray | None = None
+    """(n_modes, n_frf) weighted squares that noise alone leaves of correlated lines; None: not computed."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -75,8 +75,18 @@ def fit_once(
     data: FitData,
     target: ComplexArray,
     inertance: BoolArray | None = None,
+    *,
+    screened: bool = True,
 ) -> FitIteration:
-    """Return a mode and a constant fitted to every window of `target`, (n_modes, n_frf, n_lines) m/N."""
+    """Return a mode and a constant fitted to every window of `target`, (n_modes, n_frf, n_lines) m/N.
+
+    Other parameters as in `fit_all`.
+
+    Parameters
+    ----------
+    screened
+        Whether fits that are not good have the mean eigenvalue of the others; with leakage none has.
+    """
     n_modes, n_frf, n_lines = data.freq.shape
     selection = slice(None) if inertance is None else (inertance.astype(np.int64), np.arange(n_modes))
     frf = np.stack([target, -data.x * target])[selection]
@@ -93,9 +103,9 @@ def fit_once(
     else:
         kind, first = inertance.astype(np.int64), np.arange(n_modes)
     pick = first[:, None] * n_frf + np.arange(n_frf)
-    return _tabulate(
-        damping_model, data, fits, pick, frf.reshape(rows)[pick], weight.reshape(rows)[pick], kind == 1
-    )
+    lines = frf.reshape(rows)[pick], weight.reshape(rows)[pick]
+    screened = screened and data.leakage is None  # the leakage of a line is that of its own fit, good or not
+    return _tabulate(damping_model, data, fits, pick, *lines, kind == 1, screened=screened)
 
 
 def _better_kind(misfit: FloatArray) -> IntArray:
@@ -113,6 +123,8 @@ def _tabulate(
     frf: ComplexArray,
     weight: FloatArray,
     inertance: BoolArray,
+    *,
+    screened: bool,
 ) -> FitIteration:
     """Return the iteration of `fit_once` from the selected fits, (n_modes, n_frf), and their lines."""
     misfit_factor = np.sqrt(np.maximum(fits.misfit[pick], 1))
@@ -125,8 +137,8 @@ def _tabulate(
     fitted_eigenvalue = (2 * np.pi * frequency) ** 2 * (1 + 1j * loss_factor)
     n_good = good.sum(axis=1, keepdims=True)
     mean_eigenvalue = (good * fitted_eigenvalue).sum(axis=1, keepdims=True) / np.maximum(n_good, 1)
-    if data.leakage is not None:
-        good = identified  # the leakage of a line is that of its own fit, good or not
+    if not screened:
+        good = identified
     eigenvalue = np.where(good, fitted_eigenvalue, np.where(n_good > 0, mean_eigenvalue, 1j))
     # back from inertance: divide the response by -omega^2, the modal constant by that at the pole
     factor = np.where(inertance[:, None, None], -np.maximum(data.x, SINGLE_MODE_FIT.smallest_eigenvalue), 1)

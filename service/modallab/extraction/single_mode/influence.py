@@ -50,7 +50,8 @@ def influence(
         freq=np.repeat(freq, len(perturbations), axis=0).reshape(batch),
         weight=np.repeat(weight, len(perturbations), axis=0).reshape(batch),
     )
-    refits = fit_once(method, damping_model, repeated, lines.reshape(batch), fits.inertance[m : m + 1])
+    kind = fits.inertance[m : m + 1]
+    refits = fit_once(method, damping_model, repeated, lines.reshape(batch), kind, screened=False)
     perturbed = np.stack([refits.eigenvalue, refits.table.modal_constant], axis=-1).reshape(
         n_frf, len(perturbations), 2
     )
