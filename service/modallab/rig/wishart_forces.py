@@ -8,6 +8,12 @@ from modallab.estimation.condition import independent_condition
 from modallab.estimation.partial_coherence import regular_coherence
 from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.spectrum_settings import WISHART
+from modallab.rig.triangular_products import (
+    add_adjoint_product,
+    product_of_triangles,
+    triangular_product,
+    triangular_square,
+)
 
 
 def wishart_of_several_forces(
@@ -72,24 +78,22 @@ class _MultipleForceLaw:
         squares = np.where(spectra.freq == 0, self.n / 2, self.n)[:, None]
         independent_condition(spectra)
         self.root = np.linalg.cholesky(spectra.ff) / np.sqrt(self.n)
-        self.h = np.linalg.solve(spectra.ff, spectra.fx)
+        self.h: ComplexArray = np.asarray(np.linalg.solve(spectra.ff, spectra.fx), complex)
         unexplained = spectra.xx - (spectra.fx.conj() * self.h).sum(axis=2).real
         self.residual = np.maximum(unexplained, 0.0) / squares
         self.spread = np.sqrt(self.residual / 2)[:, :, None]
 
     def fill(self, rng: np.random.Generator, ff: ComplexArray, fx: ComplexArray, xx: FloatArray) -> None:
         """Draw into arrays (n_tests, n_run, n_freq, n_in, n_in or n_out)."""
-        root = self.root @ self._factor(rng, ff)
-        # Contiguous copy, because products with strided matrices take twice as long.
-        root_adjoint = np.ascontiguousarray(root.conj().swapaxes(-1, -2))
-        np.matmul(root, root_adjoint, out=ff)
+        root = product_of_triangles(self.root, self._factor(rng, ff))
+        triangular_square(root, out=ff)
         explained = np.empty_like(fx)  # of each channel, by forces of unit density that nothing ties
         parts = explained.view(float)
         rng.standard_normal(out=parts)
         explained.imag[:, :, self.real] = 0.0
         explained *= self.spread
-        explained += root_adjoint @ self.h
-        np.matmul(root, explained, out=fx)
+        add_adjoint_product(root, self.h, out=explained)
+        triangular_product(root, explained, out=fx)
         rng.standard_gamma(self.n - self.n_in, out=xx)
         xx[:, :, self.real] = rng.standard_gamma((self.n - self.n_in) / 2, xx[:, :, self.real].shape)
         xx *= self.residual
@@ -147,13 +151,12 @@ class _NoisyForcesLaw(_MultipleForceLaw):
 
     def fill(self, rng: np.random.Generator, ff: ComplexArray, fx: ComplexArray, xx: FloatArray) -> None:
         """Draw into arrays (n_tests, n_run, n_freq, n_in, n_in or n_out)."""
-        root = self.root @ self._factor(rng, ff)
-        root_adjoint = np.ascontiguousarray(root.conj().swapaxes(-1, -2))
-        np.matmul(root, root_adjoint, out=ff)
+        root = product_of_triangles(self.root, self._factor(rng, ff))
+        triangular_square(root, out=ff)
         common_draw = np.sqrt(0.5) * self._normal(rng, ff.shape)
         explained = common_draw @ self.hidden + self.spread * self._normal(rng, fx.shape)
-        explained += root_adjoint @ self.h
-        np.matmul(root, explained, out=fx)
+        add_adjoint_product(root, self.h, out=explained)
+        triangular_product(root, explained, out=fx)
         # What is left is a test of as many averages less, of the unmeasured forces alone.
         factor = self._factor(rng, ff, self.n - self.n_in).conj().swapaxes(-1, -2)
         unexplained = factor @ self.hidden + self.spread * self._normal(rng, fx.shape)
