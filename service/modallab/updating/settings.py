@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from modallab.core.settings import JUDGEMENT, Settings, setting
+from modallab.core.settings import Settings, setting
 
 
 @dataclass(frozen=True)
