@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.arrays import FloatArray
+from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.assumption import Assumption
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, bounds
@@ -16,6 +16,7 @@ from modallab.interchange.settings import READING
 
 ZERO_COHERENCE = "coherence is 0 everywhere, and taken as unknown"
 _ARRAYS = ("coherence", "force_spectrum", "response_spectrum")
+_CROSS_SPECTRA = "force_cross_spectra"  # of a single file: forces in different files did not act at once
 
 
 @dataclass(frozen=True)
@@ -42,6 +43,8 @@ class FileContent:
     """N^2/Hz, (n_freq, n_out, n_in), auto spectrum of the force."""
     response_spectrum: FloatArray | None = None
     """unit^2/Hz, shaped as `coherence`, auto spectra of the responses."""
+    force_cross_spectra: ComplexArray | None = None
+    """N^2/Hz, (n_freq, n_out, n_in, n_in), cross spectra of simultaneous forces."""
     notes: tuple[str, ...] = ()
     axis_error: float = READING.axis_error  # relative error that the format leaves in the frequencies
     assumed: tuple[Assumption, ...] = ()
@@ -51,6 +54,7 @@ class FileContent:
             "values": self.frf.values,
             "force_spectrum": self.force_spectrum,
             "response_spectrum": self.response_spectrum,
+            "force_cross_spectra": self.force_cross_spectra,
         }
         for name, array in arrays.items():
             largest = 0.0 if array is None else float(np.abs(array).max(initial=0.0))
@@ -99,8 +103,12 @@ class FileContent:
             )
         if (response, force) == (1.0, 1.0):
             return self
-        spectra = ((self.force_spectrum, force), (self.response_spectrum, response))
-        force_spectrum, response_spectrum = (
+        spectra: tuple[tuple[Any, float], ...] = (
+            (self.force_spectrum, force),
+            (self.response_spectrum, response),
+            (self.force_cross_spectra, force),
+        )
+        force_spectrum, response_spectrum, cross_spectra = (
             None if array is None else array * factor**2 for array, factor in spectra
         )
         return replace(
@@ -108,11 +116,13 @@ class FileContent:
             frf=replace(self.frf, values=self.frf.values * (response / force)),
             force_spectrum=force_spectrum,
             response_spectrum=response_spectrum,
+            force_cross_spectra=cross_spectra,
         )
 
     def as_arrays(self) -> dict[str, Any]:
         """Return arrays and lists of names by name, for another process."""
-        present = {name: getattr(self, name) for name in _ARRAYS if getattr(self, name) is not None}
+        names = (*_ARRAYS, _CROSS_SPECTRA)
+        present = {name: getattr(self, name) for name in names if getattr(self, name) is not None}
         return present | {"freq": self.frf.freq, "values": self.frf.values}
 
     def as_json(self) -> dict[str, Any]:
@@ -133,7 +143,7 @@ def fields_from(tree: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> 
     outputs, inputs = (tuple(map(Dof.parse, tree[name])) for name in ("outputs", "inputs"))
     return {
         "frf": FrfSet(arrays["freq"], arrays["values"], outputs, inputs, FrfKind(tree["kind"])),
-        **{name: arrays.get(name) for name in _ARRAYS},
+        **{name: arrays.get(name) for name in (*_ARRAYS, _CROSS_SPECTRA)},
         "averages": tree["averages"],
         "notes": tuple(tree["notes"]),
         "axis_error": tree["axis_error"],
@@ -171,7 +181,7 @@ def merged(contents: Sequence[FileContent]) -> FileContent:
     for content in contents:
         values[_places(content, outputs, inputs)] = content.frf.values
     frf = FrfSet(first.frf.freq, values, outputs, inputs, first.frf.kind)
-    joined = {name: _joined(name, contents, outputs, inputs) for name in _ARRAYS}
+    joined: dict[str, Any] = {name: _joined(name, contents, outputs, inputs) for name in _ARRAYS}
     lacking = [
         f"{name} left out: not there for every FRF"
         for name, array in joined.items()

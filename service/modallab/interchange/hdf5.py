@@ -14,8 +14,8 @@ def write(measurement: Measurement) -> bytes:
     """Return a measurement as an HDF5 file; the same measurement gives the same bytes.
 
     Datasets `freq, values, outputs, inputs, kind, averages`, and where there are such `coherence,
-    force_spectrum, response_spectrum`, shaped as in a measurement's npz file. Those of numbers
-    have an attribute `unit`, and the file has the measurement's `notes` as one.
+    force_spectrum, response_spectrum, force_cross_spectra`, shaped as in a measurement's npz file. Those of
+    numbers have an attribute `unit`, and the file has the measurement's `notes` as one.
     """
     import h5py  # only files of this format need it
 
@@ -27,6 +27,7 @@ def write(measurement: Measurement) -> bytes:
         "averages": (np.float64(measurement.averages), "1"),
         "force_spectrum": (measurement.force_spectrum, "N^2/Hz"),
         "response_spectrum": (measurement.response_spectrum, f"({motion})^2/Hz"),
+        "force_cross_spectra": (measurement.force_cross_spectra, "N^2/Hz"),
     }
     buffer = io.BytesIO()
     with h5py.File(buffer, "w") as file:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 
-from modallab.core.arrays import FloatArray
+from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.assumption import Assumption
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
@@ -54,6 +54,7 @@ class MeasuredFile(FileContent):
             setup=replace(setup, drives=self._drives(setup), responses=self._responses(setup)),
             force_spectrum=self.force_spectrum,
             response_spectrum=self._shaped(self.response_spectrum, setup),
+            force_cross_spectra=self._cross_spectra(setup),
             notes=("imported", *self._missing_data_notes(), *self.notes),
             assumed=(*self.assumed, *assumed),
         )
@@ -93,6 +94,7 @@ class MeasuredFile(FileContent):
             setup=setup,
             force_spectrum=self.force_spectrum,
             response_spectrum=self._shaped(self.response_spectrum, setup),
+            force_cross_spectra=self._cross_spectra(setup),
             notes=("imported", NO_LOG_BOOK, *notes, *self._missing_data_notes(), *self.notes),
             assumed=(*self.assumed, *assumed, *declared.assumptions(exciter, averages.correlation)),
         )
@@ -116,6 +118,10 @@ class MeasuredFile(FileContent):
         if array is None or array.ndim < 3 or roved or not (array == array[:, :, :1]).all():
             return array
         return array[:, :, 0]
+
+    def _cross_spectra(self, setup: RigSetup) -> ComplexArray | None:
+        """Return the cross spectra of simultaneous forces; others have none."""
+        return self.force_cross_spectra if setup.n_simultaneous > 1 else None
 
     def _drives(self, setup: RigSetup) -> tuple[Dof, ...]:
         """Return the drives in the order of the file; a hammer may have left out some of the rig's."""

@@ -13,7 +13,7 @@ def read(payload: bytes, *, largest: int, options: ReadingOptions = NO_OPTIONS) 
     ----------
     payload
         The file: `freq, values, outputs, inputs, kind`, and optionally `coherence, averages,
-        force_spectrum, response_spectrum`; or arrays of other names.
+        force_spectrum, response_spectrum, force_cross_spectra`; or arrays of other names.
     largest
         Bytes that the arrays may take when unpacked.
     options

@@ -26,6 +26,7 @@ ROLES = (
     "averages",
     "force_spectrum",
     "response_spectrum",
+    "force_cross_spectra",
 )
 ROLE_SYNONYMS = {
     "H": "values",

@@ -51,6 +51,7 @@ def content_of(variables: Mapping[str, NDArray[Any]], options: ReadingOptions) -
         averages=_single(arrays, "averages") if "averages" in arrays else None,
         force_spectrum=_shaped(arrays, "force_spectrum", frf),
         response_spectrum=_shaped(arrays, "response_spectrum", frf),
+        force_cross_spectra=_cross_spectra(arrays, frf),
         assumed=(*assumed, *kind_assumed, *points_assumed),
     )
 
@@ -147,6 +148,22 @@ def _shaped(arrays: Arrays, name: str, frf: FrfSet) -> FloatArray | None:
             allowed=list(frf.values.shape),
         )
     return array.reshape(n_lines, n_out)
+
+
+def _cross_spectra(arrays: Arrays, frf: FrfSet) -> ComplexArray | None:
+    """Return the forces' cross spectra (n_lines, n_out, n_in, n_in); the file may have them without n_out."""
+    if "force_cross_spectra" not in arrays:
+        return None
+    n_lines, n_out, n_in = frf.values.shape
+    array = numbers(arrays, "force_cross_spectra", 3, 4)
+    if array.shape not in ((n_lines, n_in, n_in), (n_lines, n_out, n_in, n_in)):
+        raise InvalidInputError(
+            "force_cross_spectra has another shape than the FRFs",
+            field="force_cross_spectra",
+            value=list(array.shape),
+            allowed=[n_lines, n_out, n_in, n_in],
+        )
+    return array if array.ndim == 4 else np.repeat(array[:, None], n_out, axis=1)
 
 
 def _points(

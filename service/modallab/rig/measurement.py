@@ -64,6 +64,8 @@ class Measurement:
             if value is not None:
                 dtype = complex if name == "force_cross_spectra" else float
                 object.__setattr__(self, name, frozen(value, dtype, array_shape, name=name))
+        if self.force_cross_spectra is not None:
+            _check_cross_spectra(self.force_cross_spectra)
         if self.coherence is not None and not (
             (self.coherence >= 0).all() and (self.coherence <= 1 + COMPARISON_ROUNDING).all()
         ):
@@ -135,3 +137,16 @@ class Measurement:
         arrays: dict[str, Any] = {n: change(array) for n in names if (array := getattr(self, n)) is not None}
         frf = replace(self.frf, freq=change(self.frf.freq), values=change(self.frf.values))
         return replace(self, frf=frf, **arrays)
+
+
+def _check_cross_spectra(forces: ComplexArray) -> None:
+    """Raise `InvalidInputError` unless matrices (.., n_in, n_in) are Hermitian, without negative power."""
+    size = np.abs(forces).max(axis=(-2, -1)) + np.finfo(float).tiny
+    asymmetry = np.abs(forces - forces.conj().swapaxes(-1, -2)).max(axis=(-2, -1))
+    least = np.linalg.eigvalsh(forces)[..., 0]
+    if (asymmetry > COMPARISON_ROUNDING * size).any() or (least < -COMPARISON_ROUNDING * size).any():
+        raise InvalidInputError(
+            "these are no cross spectra of forces",
+            field="force_cross_spectra",
+            allowed="Hermitian matrices E[conj(F_j) F_k] without negative eigenvalues",
+        )

@@ -27,13 +27,16 @@ from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.gain_error import GainError
 from modallab.effects.stiffness_error import StiffnessError
 from modallab.rig.analyser import Analyser, ExcitationSetting
+from modallab.rig.chain import chain
 from modallab.rig.change import Change
 from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.expected import noise_free, with_noise
 from modallab.rig.hardware import Accelerometers, Exciter, Noise
-from modallab.rig.measure import Route, measure
+from modallab.rig.measure import Route, measure, measurement_of
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
-from tests.rigs import dofs, steel_beam
+from modallab.rig.wishart import wishart_spectra
+from tests.rigs import beam_system, dofs, steel_beam
 
 KINDS = ["stiffness_error", "extra_mass", "gain_error", "exciter_armature", "force_noise"]
 HEAVY = Exciter(armature_mass=0.05)
@@ -182,6 +185,32 @@ def test_levels_that_nobody_declared_leave_random_error_alone() -> None:
     for gap in residual.gaps(observed.usable).values():
         # the least of the parts has 200 real numbers, and so a standard deviation of 0.1: three of them
         assert gap == pytest.approx(1.0, abs=0.3)
+
+
+def test_forces_with_a_common_cause_are_correlated_as_measured() -> None:
+    """Sources of unknown spectrum that follow each other: noise of a force biases FRFs to both."""
+    setup = replace(shakers(exciter=Exciter()), noise=Noise(1e-2, 1e-4))
+    bench = chain(beam_system(), setup)
+    clean = noise_free(bench)
+    whole, independent = with_noise(bench, clean), clean[..., :4].reshape(1, 101, 2, 2)
+    tie = 0.9 * np.exp(0.01j * whole.freq)
+    ties = np.stack([np.ones_like(tie), tie, tie.conj(), np.ones_like(tie)], axis=1).reshape(101, 2, 2)
+    h, signal = np.linalg.solve(independent, whole.fx), independent[..., :1, :1] * ties
+    powers = [(forces @ h * h.conj()).sum(axis=2).real for forces in (independent, signal)]
+    tied = replace(
+        whole, ff=whole.ff - independent + signal, fx=signal @ h, xx=whole.xx - powers[0] + powers[1]
+    )
+    excitation = replace(setup.analyser.excitation, level=None, shape="unknown")
+    log_book = replace(
+        setup, noise=Noise(None, None), analyser=replace(setup.analyser, excitation=excitation)
+    )
+    for seed in SEEDS:
+        drawn = wishart_spectra(tied, np.random.default_rng(seed), signal=signal)
+        observed, residual = unmodified(replace(measurement_of(drawn, setup), setup=log_book))
+        errors = gap_errors(observed, residual, observed.usable)
+        for part, gap in residual.gaps(observed.usable).items():
+            # four standard errors; as if independent the gap of FRFs was 1.8, ten of them
+            assert abs(gap - 1) < 4 * errors[part]
 
 
 @pytest.mark.parametrize("powers_known", [True, False])

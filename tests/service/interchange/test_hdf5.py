@@ -26,9 +26,10 @@ from modallab.interchange.confinement import REQUEST, Content
 from modallab.interchange.file_content import FileContent
 from modallab.interchange.reading_options import NO_OPTIONS
 from modallab.interchange.settings import CONFINEMENT
+from modallab.rig.measure import Route, measure
 from modallab.rig.measurement import Measurement
 from tests.reading import content_here
-from tests.rigs import rig
+from tests.rigs import dofs, rig, steel_beam
 from tests.service.interchange.test_uff import DRIVE, OUTPUTS, measured
 
 LIMIT = 200_000_000
@@ -99,6 +100,15 @@ def test_several_drives_keep_a_coherence_for_each_frf_of_a_roving_hammer() -> No
     back = reading.read_measurement(file, setup, largest=LIMIT)
     np.testing.assert_array_equal(back.frf.values, frf.values)
     np.testing.assert_array_equal(back.coherence, test.coherence)
+
+
+def test_cross_spectra_of_simultaneous_forces_come_back() -> None:
+    setup = replace(rig(1, 9, analyser={"frequency_max": 64.0, "n_lines": 33}), drives=dofs(1, 9))
+    test = measure(steel_beam(), setup, route=Route.DRAWN, rng=np.random.default_rng(3))
+    back = reading.read_measurement(io.BytesIO(hdf5.write(test)), setup, largest=LIMIT)
+    assert test.force_cross_spectra is not None
+    np.testing.assert_array_equal(back.force_cross_spectra, test.force_cross_spectra)
+    np.testing.assert_array_equal(back.frf_coherence, test.frf_coherence)
 
 
 def file_of(**changed: Any) -> bytes:

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from modallab.core.arrays import FloatArray
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind
 from modallab.rig.analyser import ExcitationSetting
 from modallab.rig.hardware import Exciter, Noise
@@ -18,6 +19,24 @@ TWO_SHAKERS = replace(NOISY, drives=(NOISY.responses[0], NOISY.responses[2]))
 STRUCK = replace(NOISY.analyser, excitation=ExcitationSetting("impact"))
 HAMMER = replace(TWO_SHAKERS, exciter=Exciter(kind="hammer"), analyser=STRUCK)
 SETUPS = {"one shaker": NOISY, "two shakers": TWO_SHAKERS, "a roving hammer": HAMMER}
+
+
+TIED = np.array([[1.0, 0.5j], [-0.5j, 1.0]])
+IMPOSSIBLE = {
+    "not Hermitian": np.array([[1.0, 0.5j], [0.5j, 1.0]]),
+    "more in common than they are": np.array([[1.0, 2.0], [2.0, 1.0]]),
+    "negative": -np.eye(2),
+}
+
+
+@pytest.mark.parametrize("matrix", IMPOSSIBLE.values(), ids=IMPOSSIBLE)
+def test_matrices_that_no_forces_have_are_refused(matrix: ComplexArray) -> None:
+    test = measure(steel_beam(), TWO_SHAKERS, route=Route.EXPECTED, rng=np.random.default_rng(1))
+    spectra = np.zeros((*test.frf.values.shape, 2), complex)
+    assert replace(test, force_cross_spectra=spectra + TIED).force_cross_spectra is not None
+    with pytest.raises(InvalidInputError, match="cross spectra") as refused:
+        replace(test, force_cross_spectra=spectra + matrix)
+    assert refused.value.context["field"] == "force_cross_spectra"
 
 
 @pytest.fixture(scope="module", params=SETUPS)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.estimation.partial_coherence import regular_coherence
 from modallab.rig.analyser import ExcitationSetting
 from modallab.rig.frf_channel import FrfChannel, FrfLayout, force_numbers, frf_channels
 from modallab.rig.measurement import Measurement
@@ -38,6 +39,8 @@ class ChannelSpectra:
     """Forces that act at the same time."""
     forces: ComplexArray | None = None
     """N^2/Hz, (n_freq, n_out, n_in, n_in), cross spectra of these in the run of each FRF; None with one."""
+    force_correlation: ComplexArray | None = None
+    """(n_run, n_freq, n_in, n_in), these as measured, over their auto spectra; None: not measured."""
 
     @classmethod
     def of(cls, measurement: Measurement) -> "ChannelSpectra":
@@ -68,6 +71,7 @@ class ChannelSpectra:
             excitation=measurement.setup.analyser.excitation,
             n_simultaneous=measurement.setup.n_simultaneous,
             forces=None if forces is None else forces[:, list(layout.rows)],
+            force_correlation=_force_correlation(measurement),
         )
 
     @property
@@ -79,3 +83,12 @@ class ChannelSpectra:
     def force_by_channel(self) -> FloatArray | None:
         """(n_freq, n_out), N^2/Hz, the force of each FRF."""
         return None if self.force is None else self.force[:, force_numbers(self.channels)]
+
+
+def _force_correlation(measurement: Measurement) -> ComplexArray | None:
+    cross = measurement.force_cross_spectra
+    if cross is None:
+        return None
+    outputs = [dof.point for dof in measurement.frf.outputs]
+    first = [outputs.index(run.outputs[0].point) for run in measurement.setup.acquisition_runs]
+    return regular_coherence(cross[:, first].swapaxes(0, 1))[0]

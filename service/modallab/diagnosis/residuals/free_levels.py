@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.interpolate import BSpline
 
-from modallab.core.arrays import BoolArray, FloatArray, IntArray
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.core.numerics import COHERENCE_ROUNDING, SAFE_DIVISOR
 from modallab.diagnosis.residuals.settings import FREE_LEVELS
 from modallab.diagnosis.residuals.white_noise import NoiseData, WhiteNoise, fit_white_noise
@@ -77,7 +77,10 @@ class FreeLevels:
     def _with_source(
         self, spectra: CrossSpectra, observed: "Observed", lines: IntArray | None
     ) -> CrossSpectra:
-        """Return the spectra with the power of each source, as a smooth factor on what is expected."""
+        """Return the spectra with the power of each source, as a smooth factor on what is expected.
+
+        Sources whose shape is open may have anything in common: their forces are correlated as measured.
+        """
         if observed.force is None:
             return spectra
         at_lines = spectra if lines is None else spectra.at(lines)
@@ -96,7 +99,14 @@ class FreeLevels:
             ratio = np.log(observed.force[used, force] / expected[used, force])
             curve = np.linalg.lstsq(weight[:, None] * basis[used], weight * ratio, rcond=None)[0]
             power[force] = np.exp(everywhere @ curve)
-        return _with_power(spectra, power.reshape(n_run, n_in, -1).swapaxes(1, 2))
+        powered = _with_power(spectra, power.reshape(n_run, n_in, -1).swapaxes(1, 2))
+        correlation = observed.force_correlation
+        if correlation is None or not self.shape:
+            return powered
+        size, ff = np.sqrt(_force_spectra(powered)), powered.ff.copy()
+        at = slice(None) if lines is None else lines
+        ff[:, at] = size[:, at, :, None] * correlation * size[:, at, None, :]
+        return _with_forces(powered, ff)
 
     def _basis(self, freq: FloatArray, measured: FloatArray) -> FloatArray:
         """Return the functions (n_freq, n) whose sum is the logarithm of the source's power.
@@ -171,8 +181,12 @@ def _with_power(spectra: CrossSpectra, power: FloatArray) -> CrossSpectra:
             xx=spectra.xx * power,
         )
     root = np.sqrt(power)
+    return _with_forces(spectra, root[..., :, None] * spectra.ff * root[..., None, :])
+
+
+def _with_forces(spectra: CrossSpectra, ff: ComplexArray) -> CrossSpectra:
+    """Return spectra with other forces (n_run, n_freq, n_in, n_in), H1 and multiple coherence as before."""
     h = np.linalg.solve(spectra.ff, spectra.fx)
-    ff = root[..., :, None] * spectra.ff * root[..., None, :]
     fx = ff @ h
     before, after = ((part.conj() * h).sum(axis=2).real for part in (spectra.fx, fx))
     ratio = np.where(before > 0, after, 1.0) / np.where(before > 0, before, 1.0)

@@ -93,6 +93,8 @@ class Observed:
     """Forces that act at the same time."""
     decorrelation: Decorrelation | None = None
     """Correlated errors of FRFs to simultaneous forces."""
+    force_correlation: ComplexArray | None = None
+    """(n_run, n_freq, n_in, n_in), G_ff of simultaneous forces over its diagonal; None: not measured."""
 
     @property
     def outputs(self) -> tuple[Dof, ...]:
@@ -167,6 +169,7 @@ class Observed:
             shared_noise=_rows(self.shared_noise, lines),
             response_once=None if self.response_once is None else self.response_once[lines],
             decorrelation=None if self.decorrelation is None else self.decorrelation.at(lines),
+            force_correlation=None if self.force_correlation is None else self.force_correlation[:, lines],
         )
 
     def _force_variance_at(self, lines: IntArray) -> FloatArray | float:
@@ -241,6 +244,7 @@ def observe(measurement: Measurement, held_out: Sequence[FrfSelection], *, fract
         response_once=_response_once(spectra),
         n_simultaneous=spectra.n_simultaneous,
         decorrelation=Decorrelation.of(spectra, coherence_variance / error**2),
+        force_correlation=spectra.force_correlation,
         free_levels=FreeLevels.of(measurement.setup),
     )
     _check_fittable(observed)
