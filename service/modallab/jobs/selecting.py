@@ -14,7 +14,12 @@ from modallab.extraction.requested.selected_modes import select_modes
 from modallab.extraction.requested.selection import ModeSelection
 from modallab.extraction.settings import NOTES
 from modallab.jobs.extracting import as_measured, leakage_of
+from modallab.jobs.settings import JOB
 from modallab.rig.measurement import Measurement
+
+NOT_REFITTED = (
+    "residuals and resynthesis errors are those before the selection: there are too many FRFs and lines"
+)
 
 
 def selected_model(
@@ -22,7 +27,8 @@ def selected_model(
 ) -> ModalModel:
     """Return the modal model without dropped modes, and with one mode in place of those that are merged.
 
-    With the measurement, residuals and misfit are those of the remaining modes.
+    With the measurement, residuals and misfit are those of the remaining modes. A measurement of more values
+    than `JOB.refitted_values` takes too long to answer a request with: both stay, and a note says so.
 
     Parameters
     ----------
@@ -41,6 +47,8 @@ def selected_model(
     selected = select_modes(model, selection)
     if measurement is None or model.modal_constant is None or not model.ranges:
         return selected
+    if measurement.frf.values.size > JOB.refitted_values:
+        return replace(selected, notes=(*selected.notes, NOT_REFITTED))
     leakage, setup = leakage_of(measurement.setup), measurement.setup
     measurement = measurement.at(line_mask(measurement.frf.freq, exclude=model.exclude))
     responses, _ = responses_read(

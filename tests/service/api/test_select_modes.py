@@ -57,6 +57,7 @@ def test_what_is_made_of_modes_is_made_of_a_selection(service: Any, modes: Any, 
         assert fit["frequency"] == pytest.approx(modes["modes"][6]["frequency"], rel=1e-3)
     again = service.post(f"/v1/modal-models/{left}/select", {"drop": [1]})
     assert len(again["modes"]) == 6
+    assert again["choices"]["selection"] == "dropped 8, then dropped 1: by request"
 
 
 def test_imported_modes_are_merged_by_their_shapes(service: Any) -> None:

@@ -19,6 +19,7 @@ DETAILS = Annotated[
         description="`flags`: every flag of every mode; `notes`: every note; repeated for both. By default "
         "flags of many FRFs, and notes that differ in numbers only, are counted.",
         max_length=2,
+        default_factory=list,
     ),
 ]
 ModeReply: Any = reply(

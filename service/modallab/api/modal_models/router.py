@@ -137,7 +137,7 @@ def select_from_modal_model(
     response_model=ModalModelReply,
     responses=csv_replies(COLUMNS),
 )
-def get_modal_model(id: IdPath, store: StoreDep, as_csv: CsvWanted, details: DETAILS = []) -> Any:  # noqa: B006
+def get_modal_model(id: IdPath, store: StoreDep, as_csv: CsvWanted, details: DETAILS) -> Any:
     """Return the modes of a modal model without their shapes."""
     model = store.modal_models.get(id)
     if as_csv:

@@ -18,6 +18,7 @@ from modallab.extraction.requested.selection import ModeSelection
 from modallab.extraction.summary import flag_kind
 
 DROPPED = "dropped by request"
+SELECTION, BY_REQUEST = "selection", ": by request"
 _NUMBERED = re.compile(r"mode (\d+)\b(?=,| shifts)")
 
 
@@ -60,11 +61,20 @@ def select_modes(model: ModalModel, selection: ModeSelection) -> ModalModel:
         frequency_inconsistency=_inconsistency(model, groups),
         chart=None if model.chart is None else _chart(model.chart, number),
         doubtful=_doubtful(model, selection),
-        choices={**model.choices, "selection": f"{selection.words}: by request"},
+        choices={**model.choices, SELECTION: _selections(model, selection)},
         notes=tuple(_renumbered(model.notes, number)),
     )
     merged = [row for row, group in enumerate(groups) if len(group) > 1]
     return selected if model.modal_constant is None else with_shapes_of_constants(selected, merged)
+
+
+def _selections(model: ModalModel, selection: ModeSelection) -> str:
+    """Return all selections in words, each with the numbers that modes had before it."""
+    earlier = model.choices.get(SELECTION)
+    words = (
+        selection.words if earlier is None else f"{earlier.removesuffix(BY_REQUEST)}, then {selection.words}"
+    )
+    return words + BY_REQUEST
 
 
 def _mode(model: ModalModel, group: Sequence[int]) -> Mode:

@@ -1,5 +1,6 @@
 """Modal models after modes were dropped or merged."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -10,7 +11,9 @@ from modallab.extraction.extract import extract
 from modallab.extraction.requested.selected_modes import DROPPED, select_modes
 from modallab.extraction.requested.selection import ModeSelection
 from modallab.fe.synthetic_modes import ModeNoise, synthetic_modes
+from modallab.jobs import selecting
 from modallab.jobs.selecting import selected_model
+from modallab.jobs.settings import JOB
 from modallab.rig.hardware import Accelerometers, Noise
 from modallab.rig.measure import Route, measure
 from modallab.rig.measurement import Measurement
@@ -105,3 +108,17 @@ def test_the_misfit_is_that_of_the_modes_that_are_left() -> None:
     # a mode of four is missing in the FRFs: no residual replaces a resonance
     assert left.resynthesis_error.max() > 0.3 > 10 * model.resynthesis_error.max()
     assert any(note.startswith("modes and residuals leave") for note in left.notes)
+
+
+def test_a_later_selection_keeps_the_earlier_one() -> None:
+    first = select_modes(modes_of("lscf"), ModeSelection(drop=(2,)))
+    second = select_modes(first, ModeSelection(merge=((1, 2),)))
+    assert second.choices["selection"] == "dropped 2, then merged 1 and 2: by request"
+
+
+def test_many_values_are_not_fitted_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    test, model = measured(), modes_of("lscf")
+    monkeypatch.setattr(selecting, "JOB", replace(JOB, refitted_values=test.frf.values.size - 1))
+    left = selected_model(model, ModeSelection(drop=(2,)), test)
+    assert left.resynthesis_error is model.resynthesis_error
+    assert selecting.NOT_REFITTED in left.notes
