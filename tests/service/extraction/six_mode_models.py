@@ -15,7 +15,6 @@ AVERAGES = 1000.0
 DOFS = tuple(Dof(node, "Y") for node in range(1, 13))
 
 
-@cache
 def six_mode_model(
     decibels: float,
     seed: int = 0,
@@ -34,6 +33,14 @@ def six_mode_model(
     delay
         s, of all responses.
     """
+    # by position: the cache takes an argument that is named for another than the same without its name
+    return _extracted(decibels, seed, method, damping, measured, delay)
+
+
+@cache
+def _extracted(
+    decibels: float, seed: int, method: str, damping: Damping | None, measured: bool, delay: float
+) -> ModalModel:
     made = six_modes(decibels, seed, lower=1.0)
     noisy = made.noisy * np.exp(-2j * np.pi * made.freq[:, None] * delay)
     coherence = 1 / (1 + AVERAGES * made.variance / np.abs(made.noisy) ** 2)
