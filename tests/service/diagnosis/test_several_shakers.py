@@ -340,6 +340,16 @@ def test_the_report_draws_responses_and_every_drive_point() -> None:
     assert not re.search("hammer|struck", page)
 
 
+def test_two_shakers_follow_a_test_with_the_second_of_them() -> None:
+    soft, setup = StiffnessError(Members((6,)), 0.9), shakers()
+    first = shaken_beam(replace(setup, drives=setup.drives[1:]), [soft])
+    further = FollowUp(shaken_beam(setup, [soft], seed=1))
+    found = diagnose(steel_beam(), first, suspects=["stiffness_error"], follow_ups=[further])
+    assert found.verdict is Verdict.EXPLAINED
+    assert found.steps[0].effect.at == Members((6,))
+    assert abs(found.remaining_gap - 1) < 3 * found.remaining_scatter
+
+
 @pytest.mark.parametrize("excitation", ["chirp", "impact"])
 def test_shakers_with_one_signal_are_refused(excitation: str) -> None:
     test = shaken_beam(shakers())

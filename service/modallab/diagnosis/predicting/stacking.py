@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.arrays import BoolArray, FloatArray
+from modallab.core.arrays import BoolArray, FloatArray, IntArray
 from modallab.core.dof import Dof
 from modallab.diagnosis.residuals.decorrelation import Decorrelation, RunErrors
 from modallab.diagnosis.residuals.observed import Observed
@@ -69,6 +69,12 @@ class SpectrumStack:
     def _force_of(self, key: ChannelKey) -> object:
         """Return the key of an FRF's force spectrum: with a roving accelerometer each FRF has its own."""
         return key if self.roving else key[1]
+
+    @property
+    def _force_numbers(self) -> IntArray:
+        """(n_channels,) number of each FRF's force: tests may drive one point as first and as second."""
+        forces = list(dict.fromkeys(map(self._force_of, self.all_keys)))
+        return np.array([forces.index(self._force_of(key)) for key in self.all_keys])
 
     def _run_of(self, key: ChannelKey) -> object:
         """Return the key of an FRF's run: that of its force, or of its response with simultaneous forces."""
@@ -167,6 +173,7 @@ class SpectrumStack:
             ),
             n_simultaneous=max(part.n_simultaneous for part in parts),
             decorrelation=self._decorrelation(parts),
+            stacked_forces=self._force_numbers,
             **self._auto_spectra(parts),
         )
 

@@ -93,6 +93,8 @@ class Observed:
     """Forces that act at the same time."""
     decorrelation: Decorrelation | None = None
     """Correlated errors of FRFs to simultaneous forces."""
+    stacked_forces: IntArray | None = None
+    """(n_out,) number of each FRF's force spectrum in a stack of tests; None: of one test."""
     force_correlation: ComplexArray | None = None
     """(n_run, n_freq, n_in, n_in), G_ff of simultaneous forces over its diagonal; None: not measured."""
 
@@ -109,7 +111,7 @@ class Observed:
     @cached_property
     def forces(self) -> IntArray:
         """(n_out,): the number of each FRF's force spectrum, in ascending order."""
-        return force_numbers(self.channels)
+        return force_numbers(self.channels) if self.stacked_forces is None else self.stacked_forces
 
     @property
     def conditional_averages(self) -> float:
