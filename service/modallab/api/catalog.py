@@ -45,7 +45,7 @@ FAMILIES: Mapping[FamilyName, Mapping[str, Any]] = {
     "reductions": REDUCTIONS,
 }
 # Options of the members, of families that have options.
-OFFERED: Mapping[FamilyName, Callable[[str], Mapping[str, OptionSpec]]] = {
+OPTION_SPECS: Mapping[FamilyName, Callable[[str], Mapping[str, OptionSpec]]] = {
     "extraction-methods": extraction.method_options,
     "updating-methods": updating.method_options,
 }
@@ -85,7 +85,7 @@ def _summary(member: Any) -> str:
 
 
 def _parameters(family: FamilyName, kind: str, member: Any) -> dict[str, Any]:
-    if options := OFFERED.get(family):
+    if options := OPTION_SPECS.get(family):
         return dict(options(kind))
     specs = getattr(member, "specs", None)
     return {} if specs is None else dict(specs())

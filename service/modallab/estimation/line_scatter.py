@@ -192,9 +192,9 @@ def _typical(ratios: FloatArray) -> Estimate:
     The median, as in some stretches the model does not hold; groups of whole stretches, as the noise of a
     force is in all FRFs.
     """
-    freedom = 2 * (LINE_SCATTER.stretch_lines - 2 * LINE_SCATTER.order - 1)
+    degrees_of_freedom = 2 * (LINE_SCATTER.stretch_lines - 2 * LINE_SCATTER.order - 1)
     # Wilson and Hilferty (1931): the median of a chi-square variable over its mean.
-    median_of_chi_square = (1 - 2 / (9 * freedom)) ** 3
+    median_of_chi_square = (1 - 2 / (9 * degrees_of_freedom)) ** 3
     scale = float(np.nanmedian(ratios)) / median_of_chi_square
     n_groups = min(LINE_SCATTER.groups, len(ratios) // 2)
     groups = [ratios[i::n_groups] for i in range(n_groups)]

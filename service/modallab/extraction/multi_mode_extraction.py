@@ -162,8 +162,8 @@ def _fits(
         range_progress = part(progress, number / len(charts), (number + 1) / len(charts))
         freq, lines = responses.freq[chart.lines], chart.lines
         noise, receptance = NoiseModel.of(responses, lines), responses.receptance[lines]
-        stretch = BandData(freq, receptance, weights[lines], weights_known, n_ref, drifting, noise)
-        modes = modes_of(find, stretch, chart.orders, damping, leaked=leaked, progress=range_progress)
+        band_data = BandData(freq, receptance, weights[lines], weights_known, n_ref, drifting, noise)
+        modes = modes_of(find, band_data, chart.orders, damping, leaked=leaked, progress=range_progress)
         if modes is not None and modes.inside.any():
             fits.append(GlobalFit(lines, modes))
         elif requested:

@@ -126,7 +126,7 @@ class Recorder:
         n_recorded = 0
         while n_recorded < self._averages:
             n = min(self._per_stretch, self._averages - n_recorded)
-            records, stretch = self._stretch_of(run, rms, rng)
+            records, source_lines = self._stretch_of(run, rms, rng)
             for start in range(0, n, self._batch):
                 block = slice(start, min(start + self._batch, n))
                 first = self._hop * np.arange(block.start, block.stop)
@@ -135,7 +135,7 @@ class Recorder:
                 batch = records[block] if samples is None else np.add(samples, records[block], out=samples)
                 yield (
                     Batch(run, n_recorded * self.n_samples + first, batch),
-                    self._source_signals(stretch, lines, first),
+                    self._source_signals(source_lines, lines, first),
                 )
                 del samples, batch  # or two of them would be there at a time
             del records
@@ -148,12 +148,12 @@ class Recorder:
         span = self.n_samples + (self._per_stretch - 1) * self._hop
         samples = rng.standard_normal((len(rms), span))
         samples *= rms[:, None]
-        stretch = None
+        source_lines = None
         if self._stationary is not None:
-            stretch = self._random_lines(self._stationary[run], 1, rng)
-            samples += self._channel_records(self._stationary[run], stretch, self._length)[0, :, :span]
+            source_lines = self._random_lines(self._stationary[run], 1, rng)
+            samples += self._channel_records(self._stationary[run], source_lines, self._length)[0, :, :span]
         records = sliding_window_view(samples, self.n_samples, axis=1)[:, :: self._hop]
-        return records.swapaxes(0, 1), stretch
+        return records.swapaxes(0, 1), source_lines
 
     def _fresh_records(
         self, run: int, n: int, answers: ImpulseResponses | None, rng: np.random.Generator

@@ -129,8 +129,8 @@ def _identified_cause(
     squared = (modes.shape**2).real
     mass = _fit_law(modes, squared, modes.shift_error)
     # errors of the regressor are converted to the shifts that they would cause
-    blurred = np.hypot(modes.shift_error, 2 * mass.slope * np.abs(modes.shape) * modes.shape_error)
-    mass = _fit_law(modes, squared, blurred)
+    total_error = np.hypot(modes.shift_error, 2 * mass.slope * np.abs(modes.shape) * modes.shape_error)
+    mass = _fit_law(modes, squared, total_error)
     candidates: list[tuple[float, InconsistencyCause, _EigenvalueRegression]] = []
     for cause, law in (
         (InconsistencyCause.ROVING_MASS if modes.scaled else InconsistencyCause.SQUARED_SHAPE, mass),

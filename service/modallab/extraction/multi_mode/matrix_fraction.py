@@ -125,8 +125,8 @@ def fit_fractions(z_data: ZDomainData, orders: IntArray) -> Fractions:
     normal = _normal(z_data, int(orders[-1]))
     added = _noise_contribution(z_data, normal)
     level = _noise_level(_factor(normal.reduced, normal.total), added)
-    unbiased = replace(normal, reduced=normal.reduced - MATRIX_FRACTION.compensated_bias * level * added)
-    return Fractions(unbiased.solve(orders), normal.numerator, level)
+    compensated = replace(normal, reduced=normal.reduced - MATRIX_FRACTION.compensated_bias * level * added)
+    return Fractions(compensated.solve(orders), normal.numerator, level)
 
 
 @dataclass(frozen=True, eq=False)

@@ -141,11 +141,11 @@ def _score(lines: _Lines, width: float) -> tuple[FloatArray, float]:
     left = np.maximum(np.convolve(lines.square, box, mode="same") - gain, SAFE_DIVISOR)
     usable = (n_left > 0) & (n_frf > 0)
     ratio = np.where(usable, gain / left * n_left / np.maximum(n_frf, 1), 0.0)
-    freedom = 2 * np.maximum(n_frf, 1), 2 * np.maximum(n_left, 1)
-    log = scipy.stats.f.logsf(ratio, *freedom)
+    degrees_of_freedom = 2 * np.maximum(n_frf, 1), 2 * np.maximum(n_left, 1)
+    log = scipy.stats.f.logsf(ratio, *degrees_of_freedom)
     excess = 1.0
     if usable.any():
-        quiet, middle = RESIDUAL_POLES.quiet_share, (np.median(part[usable]) for part in freedom)
+        quiet, middle = RESIDUAL_POLES.quiet_share, (np.median(part[usable]) for part in degrees_of_freedom)
         excess = float(np.quantile(ratio[usable], quiet) / scipy.stats.f.ppf(quiet, *middle))
     return np.asarray(np.where(usable, -log / np.log(10), 0.0)), excess
 

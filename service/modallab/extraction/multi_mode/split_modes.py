@@ -59,8 +59,8 @@ def merged_of_one_shape(fit: ModalFit, inside: BoolArray) -> Merged:
     for pair in pairwise(np.flatnonzero(inside).tolist()):
         rows = list(pair)
         frequency, constant = fit.frequency[rows], fit.modal_constant[rows]
-        apart = np.diff(frequency)[0] / (fit.loss_factor[rows] * frequency).max()
-        if redundant[rows[0]] or not apart < SPLIT_MODES.bandwidths or not _alike(constant):
+        separation = np.diff(frequency)[0] / (fit.loss_factor[rows] * frequency).max()
+        if redundant[rows[0]] or not separation < SPLIT_MODES.bandwidths or not _alike(constant):
             continue
         size = np.linalg.norm(constant, axis=1)
         share = size / size.sum()
@@ -70,7 +70,7 @@ def merged_of_one_shape(fit: ModalFit, inside: BoolArray) -> Merged:
         drift = 100 * np.sqrt(12 * share.prod()) * (frequency[1] / frequency[0] - 1)
         notes.append(
             f"mode at {frequency @ share:.5g} Hz: its frequency drifts by about {drift:.2g} % during the "
-            f"test, as two poles of one shape {apart:.2g} bandwidths apart show"
+            f"test, as two poles of one shape {separation:.2g} bandwidths apart show"
         )
     return Merged(mean, redundant, tuple(notes))
 

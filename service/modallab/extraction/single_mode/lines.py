@@ -98,11 +98,11 @@ def weighted_line(
     total = weight.sum(axis=-1)
     mean = (weight * x).sum(axis=-1) / np.where(total > 0, total, 1)
     lever = weight * (x - mean[..., None])
-    certainty = (lever * x).sum(axis=-1)
-    determined = certainty > 0
-    slope = np.where(determined, (lever * y).sum(axis=-1) / np.where(determined, certainty, 1), 0)
+    inverse_variance = (lever * x).sum(axis=-1)
+    determined = inverse_variance > 0
+    slope = np.where(determined, (lever * y).sum(axis=-1) / np.where(determined, inverse_variance, 1), 0)
     intercept = (weight * y).sum(axis=-1) / np.where(total > 0, total, 1) - slope * mean
-    return slope, intercept, np.where(determined, certainty, 0.0)
+    return slope, intercept, np.where(determined, inverse_variance, 0.0)
 
 
 def fit_mode_and_constant(lines: Lines) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
