@@ -196,7 +196,8 @@ def test_it_changes_something_at_every_place_it_names(kind: str) -> None:
         found = expected_spectra(chain(SYSTEMS[kind], setup, [EFFECTS[kind](at=place)]))
         pairs = (found.ff, bare.ff), (found.xx[:, 1:], bare.xx[:, 1:]), (found.fx[:, 1:], bare.fx[:, 1:])
         changes = [np.abs(one / other - 1).max() for one, other in pairs]
-        assert max(changes) > 1e-6, str(place)
+        # a cubic spring next to a node of the motion: far above rounding, 1e-12
+        assert max(changes) > 1e-9, str(place)
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if EFFECTS[kind].specs()])

@@ -30,6 +30,7 @@ class CubicStiffness(Effect):
     stage: ClassVar[Stage] = Stage.MOTION
     level_dependent: ClassVar[tuple[str, ...]] = ("stiffness",)
     intermittent: ClassVar[bool] = True
+    linearised_kinds: ClassVar[tuple[str, ...]] = ("ground_spring",)
     structural: ClassVar[bool] = True
     allowed_places: ClassVar[tuple[type, ...]] = (Dof,)
     stiffness: float = parameter(
@@ -45,8 +46,8 @@ class CubicStiffness(Effect):
 
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
-        """Return every translation that the test measures."""
-        return tuple(dof.point for dof in setup.responses)
+        """Return every translation of the structure."""
+        return tuple(dof for dof in system.dofs if dof.translational)
 
     def scan_values(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
         """Return coefficients with equivalent stiffnesses of 1e-4 to 1 of the DoF's dynamic stiffness."""

@@ -32,6 +32,7 @@ class Friction(Effect):
     stage: ClassVar[Stage] = Stage.MOTION
     level_dependent: ClassVar[tuple[str, ...]] = ("force", "sticking")
     intermittent: ClassVar[bool] = True
+    linearised_kinds: ClassVar[tuple[str, ...]] = ("local_damping", "ground_spring")
     structural: ClassVar[bool] = True
     allowed_places: ClassVar[tuple[type, ...]] = (Dof,)
     force: float = parameter(0.05, unit="N", lower=0.0, upper=1e6, doc="Coulomb force")
@@ -53,8 +54,8 @@ class Friction(Effect):
 
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
-        """Return every translation that the test measures."""
-        return tuple(dof.point for dof in setup.responses)
+        """Return every translation of the structure."""
+        return tuple(dof for dof in system.dofs if dof.translational)
 
     def scan_values(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
         """Return forces with equivalent damping of 1e-3 to 1 of the DoF's mechanical resistance."""

@@ -1,18 +1,22 @@
 """Accelerometer beside its declared node."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
+
+import numpy as np
 
 from modallab.core.parameters import parameter
 from modallab.core.place import Channels, Place
 from modallab.correlation.evidence import Evidence
+from modallab.effects.settings import MIX_UP
+from modallab.fe.attachment import Attachment
 from modallab.fe.interpolation import point_motion
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.channel import Channel
 from modallab.rig.effect import EFFECTS, Effect, Stage
-from modallab.rig.setup import RigSetup
+from modallab.rig.setup import AcquisitionRun, RigSetup
 
 _ALLOWED_CHANNELS = "channels at nodes of bars, whose shape says how a point beside the node moves"
 
@@ -24,9 +28,8 @@ class MisplacedAccelerometer(Effect):
 
     N are the shape functions of the member, q the motion of its ends: linear along the member and cubic
     across it, Przemieniecki, Theory of Matrix Structural Analysis (1968), section 5.6; beyond a free end
-    the sensor is on a rigid arm. The error is largest for modes with short wavelengths. The mass of the
-    accelerometer stays at the node: a shift of the mass by d would change its influence on frequencies by
-    the relative amount 2 d phi'/phi, far less than the error of the reading.
+    the sensor is on a rigid arm. The error is largest for modes with short wavelengths. The declared mass of
+    the accelerometer is at that point too, M' = M + m (N^T N - e e^T).
     """
 
     kind: ClassVar[str] = "misplaced_accelerometer"
@@ -39,8 +42,24 @@ class MisplacedAccelerometer(Effect):
         lower=-1.0,
         upper=1.0,
         doc="along the member that starts at the node; negative: back along the one that ends there",
-        scan_values=(-0.03, -0.003, 0.003, 0.03),
     )
+
+    def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
+        nodes = {dof.node for dof in acquisition_run.outputs if self.acts_on(dof)}
+        mass, table = acquisition_run.accelerometer_mass, system.members
+        if not mass or table is None:
+            return system
+        for node in sorted(nodes):
+            if not table.has_bar(node):
+                raise self._misplaced(_ALLOWED_CHANNELS)
+            columns = np.zeros((len(system.dofs), 2))
+            for i, direction in enumerate("XY"):
+                for row, weight in point_motion(table, node, self.distance, direction):
+                    columns[row, i] = weight
+            columns = columns[:, columns.any(axis=0)]
+            mass_matrix = mass * np.eye(columns.shape[1])
+            system = system.add_mass(node, -mass).attach(Attachment(columns, mass=mass_matrix))
+        return system
 
     def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:
         if channel.force or system.members is None or not self.acts_on(channel.dof):
@@ -66,6 +85,17 @@ class MisplacedAccelerometer(Effect):
         """Return the channels at nodes of bars, each."""
         table = system.members
         return tuple(Channels((dof,)) for dof in setup.responses if table and table.has_bar(dof.node))
+
+    def scan_values(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
+        """Return distances in both directions: small ones, and parts and multiples of a member's length."""
+        table = system.members
+        nodes = [dof.node for dof in self.at.dofs] if isinstance(self.at, Channels) else []
+        lengths = [] if table is None else [length for node in nodes for length in table.bar_lengths(node)]
+        if not lengths:
+            return {}
+        length, highest = float(np.mean(lengths)), self.specs()["distance"].upper
+        sizes = [min(share * length, highest) for share in MIX_UP.misplacements]
+        return {"distance": [-size for size in reversed(sizes)] + sizes}
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:

@@ -32,6 +32,7 @@ class Rattle(Effect):
     stage: ClassVar[Stage] = Stage.MOTION
     level_dependent: ClassVar[tuple[str, ...]] = ("gap",)
     intermittent: ClassVar[bool] = True
+    linearised_kinds: ClassVar[tuple[str, ...]] = ("ground_spring",)
     structural: ClassVar[bool] = True
     suspected: ClassVar[bool] = False
     allowed_places: ClassVar[tuple[type, ...]] = (Dof,)
@@ -53,8 +54,8 @@ class Rattle(Effect):
 
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
-        """Return every translation that the test measures."""
-        return tuple(dof.point for dof in setup.responses)
+        """Return every translation of the structure."""
+        return tuple(dof for dof in system.dofs if dof.translational)
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:

@@ -31,6 +31,24 @@ class JointScan(Settings):
 
 
 @dataclass(frozen=True)
+class MixUpSettings(Settings):
+    """Accelerometers at another place than the log book says."""
+
+    misplacements: tuple[float, ...] = setting(
+        (0.05, 0.25, 0.6, 1.0, 1.5, 2.0),
+        unit="1",
+        doc="trial distances of a misplaced accelerometer over the mean length of the members at its node",
+        derived="a slip of the hand; the next node; the node after",
+    )
+    paired_channels: int = setting(
+        250,
+        unit="channels",
+        doc="channels up to which every pair may be exchanged",
+        derived="31,125 pairs, which are named in less than a second",
+    )
+
+
+@dataclass(frozen=True)
 class MainsSettings(Settings):
     """Mains hum."""
 
@@ -97,6 +115,7 @@ class DoubleHitScan(Settings):
 
 OSCILLATOR_SCAN = OscillatorScan()
 JOINT_SCAN = JointScan()
+MIX_UP = MixUpSettings()
 MAINS = MainsSettings()
 OVERLOAD = OverloadSettings()
 FRICTION_SCAN = FrictionScan()

@@ -2,18 +2,19 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import combinations, pairwise
 from typing import ClassVar
 
 import numpy as np
 
 from modallab.core.place import Channels, Place
 from modallab.correlation.evidence import Evidence
+from modallab.effects.settings import MIX_UP
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.channel import Channel
 from modallab.rig.effect import EFFECTS, Effect, Stage
-from modallab.rig.setup import RigSetup
+from modallab.rig.setup import AcquisitionRun, RigSetup
 
 
 @EFFECTS.register("swapped_channels")
@@ -21,15 +22,24 @@ from modallab.rig.setup import RigSetup
 class SwappedChannels(Effect):
     """Two exchanged channels, H_1' = H_2 and H_2' = H_1.
 
-    Cause: two exchanged cables, or two lines of the log book. Each FRF is correct except for its name. Only
-    the motions are exchanged: other errors of a channel, and the mass of a roving accelerometer, stay with
-    the name. Reciprocal FRFs no longer agree: Rayleigh, The Theory of Sound (1894), chapter V.
+    Cause: two exchanged cables, or two lines of the log book. Each FRF is correct except for its name. The
+    motions are exchanged, and the places of a roving accelerometer's declared mass; other errors of a channel
+    stay with the name. Reciprocal FRFs no longer agree: Rayleigh, The Theory of Sound (1894), chapter V.
     """
 
     kind: ClassVar[str] = "swapped_channels"
     summary: ClassVar[str] = "two exchanged channels"
     stage: ClassVar[Stage] = Stage.CHANNEL
     allowed_places: ClassVar[tuple[type, ...]] = (Channels,)
+
+    def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
+        channels = self.at.dofs if isinstance(self.at, Channels) else ()
+        present = {dof.node for dof in acquisition_run.outputs if self.acts_on(dof)}
+        absent = {dof.node for dof in channels} - present
+        mass = acquisition_run.accelerometer_mass
+        if not mass or len(present) != 1 or len(absent) != 1:
+            return system
+        return system.add_mass(min(present), -mass).add_mass(min(absent), mass)
 
     def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:
         if channel.force or not self.acts_on(channel.dof):
@@ -51,8 +61,10 @@ class SwappedChannels(Effect):
 
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
-        """Return neighbours in the log book: of all pairs those that are exchanged most easily."""
-        return tuple(Channels(pair) for pair in pairwise(setup.responses))
+        """Return every pair; of very many channels neighbours in the log book alone."""
+        few = len(setup.responses) <= MIX_UP.paired_channels
+        pairs = combinations(setup.responses, 2) if few else pairwise(setup.responses)
+        return tuple(Channels(pair) for pair in pairs)
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:

@@ -109,6 +109,12 @@ class MemberTable:
         """Return whether a bar ends at a node."""
         return any(bar and node in pair for pair, bar in zip(self.ends, self.bars, strict=True))
 
+    def bar_lengths(self, node: int) -> FloatArray:
+        """Return the lengths (n_bars,), m, of the bars that end at a node."""
+        joined = [bar and node in pair for pair, bar in zip(self.ends, self.bars, strict=True)]
+        ends = self.points[np.array(joined, bool)]
+        return np.asarray(np.hypot(*(ends[:, 1] - ends[:, 0]).T))
+
     def end_at(self, node: int) -> tuple[int, int]:
         """Return the number of the member released by a joint at a node, and its end; see `released_end`.
 

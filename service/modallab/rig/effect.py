@@ -56,6 +56,7 @@ class Effect(Parameterised):
     intermittent: ClassVar[bool] = False  # True: its contribution is concentrated in few records
     nested_kind: ClassVar[str | None] = None  # kind with one parameter fewer, a special case of this one
     of_stated_damping: ClassVar[bool] = False  # True: no suspect where the model's damping is unknown
+    linearised_kinds: ClassVar[tuple[str, ...]] = ()  # kinds that its equivalent linearisation is of
     level_dependent: ClassVar[tuple[str, ...]] = ()  # parameters whose size goes with the source's level
     tolerance: ClassVar[str | None] = None  # name of the model tolerance that its first parameter may have
     at: Place = None

@@ -24,6 +24,8 @@ class AcquisitionRun:
     """Measured response DoFs."""
     elapsed: float = 0.0
     """1, share of the test before this run: 0 for the first, 1 for the last."""
+    accelerometer_mass: float = 0.0
+    """kg, declared mass of each accelerometer."""
 
     @property
     def drive(self) -> Dof:
@@ -149,4 +151,6 @@ class RigSetup:
         drives = [(drive,) for drive in self.drives] if self.exciter.kind == "hammer" else [self.drives]
         runs = [(d, o) for d in drives for o in outputs]
         last = max(len(runs) - 1, 1)
-        return tuple(AcquisitionRun(d, o, i / last) for i, (d, o) in enumerate(runs))
+        return tuple(
+            AcquisitionRun(d, o, i / last, self.accelerometers.mass) for i, (d, o) in enumerate(runs)
+        )

@@ -9,6 +9,7 @@ from modallab.effects.misplaced_accelerometer import MisplacedAccelerometer
 from modallab.fe.assembly import assemble
 from modallab.fe.receptance import direct_receptance
 from modallab.rig.chain import chain
+from modallab.rig.hardware import Accelerometers
 from modallab.rig.setup import RigSetup
 from tests.rigs import beam_system, dofs, rig, steel_beam
 
@@ -51,3 +52,22 @@ def test_a_sensor_that_looks_the_other_way_goes_on_doing_so() -> None:
     effect = MisplacedAccelerometer(at=Channels(dofs(7)), distance=0.03)
     up, down = (chain(beam_system(), setup, [effect]).respond(FREQ).inertance for setup in pair)
     np.testing.assert_allclose(down, -up, rtol=1e-10, atol=1e-13 * np.abs(up).max())  # order of a sum
+
+
+@pytest.mark.parametrize("roving", [False, True])
+def test_its_mass_is_where_it_is(roving: bool) -> None:
+    hardware = Accelerometers(mass=0.05, roving=roving)
+    effect = MisplacedAccelerometer(at=Channels(dofs(7)), distance=1.5 / 20)
+    found = chain(beam_system(), rig(1, 7, accelerometers=hardware), [effect]).respond(FREQ).inertance
+    wanted = chain(beam_system(), rig(1, 8, accelerometers=hardware)).respond(FREQ).inertance
+    # a mass that is taken away again: rounding of sums that cancel, times the ratio of eigenvalues
+    np.testing.assert_allclose(found, wanted, rtol=1e-7, atol=1e-9 * np.abs(wanted).max())
+
+
+def test_it_is_looked_for_at_the_next_node_and_a_little_beside_its_own() -> None:
+    effect = MisplacedAccelerometer(at=Channels(dofs(7)))
+    distances = np.array(effect.scan_values(beam_system(), rig(1, 7))["distance"])
+    for wanted in (-0.075, 0.075):  # m, a member's length
+        assert np.isclose(distances, wanted).any()
+    assert 0 < np.abs(distances).min() < 0.005
+    assert (np.diff(distances) > 0).all()

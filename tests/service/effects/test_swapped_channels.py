@@ -1,11 +1,15 @@
 """Two channels that stand for each other."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+import modallab.effects.swapped_channels as module
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.place import Channels
+from modallab.effects.settings import MIX_UP
 from modallab.effects.swapped_channels import SwappedChannels
 from modallab.fe.receptance import direct_receptance
 from modallab.rig.chain import chain
@@ -54,6 +58,19 @@ def test_a_log_book_that_names_other_than_two_is_refused_when_it_is_used(at: Cha
         chain(beam_system(), SETUP, [SwappedChannels(at=at)])
 
 
-def test_neighbours_in_the_log_book_are_suspected() -> None:
-    places = SwappedChannels.places(beam_system(), rig(1, 3, 5, 7))
-    assert places == (Channels(dofs(1, 3)), Channels(dofs(3, 5)), Channels(dofs(5, 7)))
+def test_a_roving_accelerometer_takes_its_mass_along() -> None:
+    setup = rig(1, 7, 16, accelerometers=Accelerometers(mass=0.05, roving=True))
+    bare, found = (chain(beam_system(), setup, e).respond(FREQ).inertance for e in ([], [SWAPPED]))
+    # a mass that is taken away again: rounding of sums that cancel, times the ratio of eigenvalues
+    np.testing.assert_allclose(found, bare[[0, 2, 1]], rtol=1e-7, atol=1e-9 * np.abs(bare).max())
+
+
+def test_every_pair_is_suspected() -> None:
+    places = SwappedChannels.places(beam_system(), rig(1, 3, 5))
+    assert places == (Channels(dofs(1, 3)), Channels(dofs(1, 5)), Channels(dofs(3, 5)))
+
+
+def test_of_very_many_channels_neighbours_in_the_log_book_are(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "MIX_UP", replace(MIX_UP, paired_channels=2))
+    places = SwappedChannels.places(beam_system(), rig(1, 3, 5))
+    assert places == (Channels(dofs(1, 3)), Channels(dofs(3, 5)))

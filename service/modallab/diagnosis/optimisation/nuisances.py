@@ -248,8 +248,9 @@ def _field(system: DynamicSystem, name: str) -> RandomField:
 
 
 def _loss_factors(system: DynamicSystem, frequency_max: float) -> tuple[float, ...]:
-    basis = system.modes(frequency_max).elastic()
-    return tuple(basis.loss_factors[basis.frequencies <= frequency_max].tolist())
+    top = NUISANCE.loss_margin * frequency_max
+    basis = system.modes(top).elastic()
+    return tuple(basis.loss_factors[basis.frequencies <= top].tolist())
 
 
 def draw_positions(n: int, rng: np.random.Generator) -> FloatArray:

@@ -91,6 +91,11 @@ class NuisanceSettings(Settings):
         doc="standard deviation of the logarithm of an unknown loss factor",
         derived="a factor of 90 either way within the largest deviation",
     )
+    loss_margin: float = setting(
+        1.25,
+        doc="highest frequency of a mode with a loss factor of its own, over the top of the band",
+        derived="a mode that far above the band lends its last lines a tenth of its damping or less",
+    )
     max_deviation: float = setting(
         3.0,
         unit="standard deviations",

@@ -16,9 +16,10 @@ from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import is_noise_only, ranked_by_bic
+from modallab.diagnosis.searching.neighbouring_places import at_neighbouring_places
 from modallab.diagnosis.searching.scanning import scan
 from modallab.diagnosis.searching.search_path import kind_and_place
-from modallab.diagnosis.searching.settings import ROUND
+from modallab.diagnosis.searching.settings import LOSS, ROUND
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import Effect
 
@@ -54,21 +55,24 @@ def fit_candidates(predictor: Predictor, base: Fit, suspects: Suspects, *, progr
     linear = [effect for effect in likely if effect.on_motion() is None]
     nonlinear = [effect for effect in likely if effect.on_motion() is not None]
     share = ROUND.linear_share if nonlinear else 1.0
-    candidates = _Round(predictor, base.effects)
+    suspected = {kind_and_place(effect) for effect in suspects.effects}
+    candidates = _Round(predictor, base.effects, suspected)
     candidates.examine(linear, part(progress, 0.0, share))
     if candidates.explanation is not None:
         explanation, system = candidates.explanation, predictor.system
         nonlinear = [effect for effect in nonlinear if _is_imitated(effect, explanation, system)]
     candidates.examine(nonlinear, part(progress, share, 1.0))
-    candidates.fit_reduced_model({kind_and_place(effect) for effect in suspects.effects})
+    candidates.fit_reduced_model()
     return ranked_by_bic(candidates.fits)
 
 
 class _Round:
     """Suspects beside accepted effects: all scanned, the best of them fitted."""
 
-    def __init__(self, predictor: Predictor, accepted: tuple[Effect, ...]) -> None:
-        self._predictor, self._accepted = predictor, accepted
+    def __init__(
+        self, predictor: Predictor, accepted: tuple[Effect, ...], suspected: set[tuple[str, str]]
+    ) -> None:
+        self._predictor, self._accepted, self._suspected = predictor, accepted, suspected
         self._coarse = predictor.coarse_prediction(accepted)
         self._candidates: dict[tuple[str, str], tuple[float, Effect]] = {}
         self._fitted: set[tuple[str, str]] = set()
@@ -91,20 +95,47 @@ class _Round:
         best = _worth_fitting(self._candidates.values())
         for i, (cost, effect) in enumerate(best):
             progress(0.75 + 0.25 * i / len(best), f"fitting {effect.kind}")
-            self._fit(cost, effect)
+            hopeless = cost > self._max_cost and (len(self.fits) >= ROUND.min_fits or effect.intermittent)
+            given_up = self._predictor.budget.exhausted and len(self.fits) > 0
+            if not hopeless and not given_up:
+                self._fit(cost, effect)
+        self._fit_neighbours()
 
-    def fit_reduced_model(self, suspected: set[tuple[str, str]]) -> None:
+    def _fit_neighbours(self) -> None:
+        """Fit the best effects of the structure at adjoining places too, on and on while one is better.
+
+        Coarse predictions may mistake a place for its neighbour: nuisance parameters enter them linearly.
+        """
+        for kind in self._best_kinds():
+            last = None
+            while (best := self._best_of(kind)) is not last and not self._predictor.budget.exhausted:
+                last = best
+                for effect in at_neighbouring_places(best.effects[-1], self._predictor.system):
+                    if kind_and_place(effect) in self._suspected - self._fitted:
+                        with suppress(InvalidInputError):
+                            inflation = LOSS.noise_inflations[1]
+                            near, cost = coarse_fit(self._coarse, self._accepted, effect, inflation)
+                            self._fit(cost, near)
+
+    def _best_kinds(self) -> list[str]:
+        """Return the kinds of the best fits of effects of the structure."""
+        order = sorted(self.fits, key=lambda candidate: candidate.bic)
+        kinds = dict.fromkeys(f.effects[-1].kind for f in order if f.effects[-1].structural)
+        return list(kinds)[: ROUND.kinds_at_neighbours]
+
+    def _best_of(self, kind: str) -> Fit:
+        return min((f for f in self.fits if f.effects[-1].kind == kind), key=lambda f: f.bic)
+
+    def fit_reduced_model(self) -> None:
         """Fit the reduced model of the best effect, which may not have been among the best."""
         best = min(self.fits, key=lambda candidate: candidate.bic, default=None)
         reduced = None if best is None else best.effects[-1].reduced_model()
-        if reduced is not None and kind_and_place(reduced[0]) in suspected - self._fitted:
+        if reduced is not None and kind_and_place(reduced[0]) in self._suspected - self._fitted:
             with suppress(InvalidInputError):
                 self.fits.append(fit(self._predictor, (*self._accepted, reduced[0])))
 
     def _fit(self, cost: float, effect: Effect) -> None:
-        hopeless = cost > self._max_cost and (len(self.fits) >= ROUND.min_fits or effect.intermittent)
-        given_up = self._predictor.budget.exhausted and len(self.fits) > 0
-        if hopeless or given_up or kind_and_place(effect) in self._fitted:
+        if kind_and_place(effect) in self._fitted:
             return
         self._fitted.add(kind_and_place(effect))
         with suppress(InvalidInputError):

@@ -132,6 +132,12 @@ class ShortlistSettings(Settings):
     sample_size: int = setting(
         1500, unit="FRF values", doc="values of all channels by which places are ranked", tuned=TESTS
     )
+    max_linearised_places: int = setting(
+        4,
+        unit="places",
+        doc="unmeasured places of a nonlinear force, by its equivalent linearisation, for each inflation",
+        tuned=TESTS,
+    )
     max_nonlinear_places: int = setting(
         2, unit="places", doc="places of a nonlinear force for each noise inflation", tuned=TESTS
     )
@@ -179,6 +185,9 @@ class RoundSettings(Settings):
         unit="fits",
         doc="candidates that are fitted in any case",
         derived="a result shows the rivals of its explanation",
+    )
+    kinds_at_neighbours: int = setting(
+        2, unit="kinds", doc="kinds of effects that are fitted at adjoining places too", tuned=TESTS
     )
     linear_share: float = setting(
         0.6, doc="share of a round's progress before nonlinear forces", tuned="CPU time of simulated tests"

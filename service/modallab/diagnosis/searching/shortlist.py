@@ -10,12 +10,13 @@ from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members
 from modallab.core.progress import Progress
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
+from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.residual import residual
 from modallab.diagnosis.searching.modification_screen import ModificationScreen
 from modallab.diagnosis.searching.robust_cost import RobustCost, line_minimum_fraction
 from modallab.diagnosis.searching.settings import LOSS, SHORTLIST
 from modallab.diagnosis.searching.starting_values import scan_sizes, smallest_amounts, with_amount_scaled
-from modallab.rig.effect import Effect, Stage
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.frf_channel import FrfChannel
 
 
@@ -30,6 +31,15 @@ class _ScreenedPlace:
     def best(self, inflation: int) -> Effect:
         """Return the value of least cost at a noise inflation."""
         return self.sizes[int(self.costs[:, inflation].argmin())]
+
+
+@dataclass(frozen=True)
+class _UnscreenedPlace:
+    """Values of an effect at a place that has to be predicted."""
+
+    sizes: list[Effect]
+    linearised: FloatArray | None
+    """(n_inflations,) costs of its equivalent linearisation; None if it has none."""
 
 
 def shortlist(
@@ -50,26 +60,58 @@ def shortlist(
     screen, cost = ModificationScreen(sample, accepted), RobustCost(sample)
     start = cost.project_out(screen.unmodified)
     worst = _worst_channels(prediction, accepted)
+    observed = prediction.observed
+    untested = {c for c, held_out in zip(observed.channels, observed.held_out, strict=True) if held_out}
     chosen: list[list[Effect]] = []
     screened: dict[str, list[_ScreenedPlace]] = {}
-    unscreened: dict[str, list[list[Effect]]] = {}
+    unscreened: dict[str, list[_UnscreenedPlace]] = {}
     for i, suspect in enumerate(suspects):
         progress(i / len(suspects), f"places of {suspect.kind}")
-        if _is_of_channels(suspect) and not any(_concerns(suspect, channel) for channel in worst):
+        if _is_of_channels(suspect) and not _concerns(suspect, worst, untested):
             continue
         sizes = scan_sizes(suspect, suspect.scan_values(predictor.system, predictor.setup))
         place = _screened(screen, sizes, cost, start) if isinstance(suspect.at, Dof | Members) else None
         if place is not None:
             screened.setdefault(suspect.kind, []).append(place)
         elif isinstance(suspect.at, Dof):
-            unscreened.setdefault(suspect.kind, []).append(sizes)
+            linearised = _linearised(screen, suspect, prediction.predictor, cost, start)
+            unscreened.setdefault(suspect.kind, []).append(_UnscreenedPlace(sizes, linearised))
         else:
             chosen.append(sizes)
     for screened_places in screened.values():
         chosen += _best(screened_places)
     for places in unscreened.values():
-        chosen += _likely(prediction, accepted, places)
+        chosen += _likely(prediction, accepted, _likely_linearised(places, predictor))
     return chosen
+
+
+def _linearised(
+    screen: ModificationScreen, suspect: Effect, predictor: Predictor, cost: RobustCost, start: FloatArray
+) -> FloatArray | None:
+    """Return the least costs (n_inflations,) of the linear effects that one at a place may act like.
+
+    None for an effect without equivalent linearisation.
+    """
+    effects = [EFFECTS[kind](at=suspect.at) for kind in suspect.linearised_kinds]
+    choices = [
+        scan_sizes(effect, effect.scan_values(predictor.system, predictor.setup)) for effect in effects
+    ]
+    screened = [place for sizes in choices if (place := _screened(screen, sizes, cost, start)) is not None]
+    return np.vstack([place.costs for place in screened]).min(axis=0) if screened else None
+
+
+def _likely_linearised(places: Sequence[_UnscreenedPlace], predictor: Predictor) -> list[list[Effect]]:
+    """Return the measured places and, of the others, those whose equivalent linearisation costs least.
+
+    All if there is no linearisation. Where a motion is measured the spectra tell a force too weak to change
+    the FRFs.
+    """
+    if any(place.linearised is None for place in places):
+        return [place.sizes for place in places]
+    measured = {channel.response.point for channel in predictor.observed.channels}
+    costs = np.array([place.linearised for place in places])
+    best = np.unique(np.argsort(costs, axis=0)[: SHORTLIST.max_linearised_places])
+    return [place.sizes for i, place in enumerate(places) if i in best or place.sizes[0].at in measured]
 
 
 def _screened(
@@ -142,9 +184,17 @@ def _is_of_channels(suspect: Effect) -> bool:
     return of_force or isinstance(suspect.at, Channels)
 
 
-def _concerns(suspect: Effect, channel: FrfChannel) -> bool:
-    """Return whether an effect of single channels is of an FRF's response or force."""
-    return suspect.acts_on(channel.response if isinstance(suspect.at, Channels) else channel.drive)
+def _concerns(suspect: Effect, worst: set[FrfChannel], untested: set[FrfChannel]) -> bool:
+    """Return whether an effect of single channels is of FRFs of a large gap.
+
+    Of several responses each has to be one of them, or held out.
+    """
+    if not isinstance(suspect.at, Channels):
+        return any(suspect.acts_on(channel.drive) for channel in worst)
+    points = {channel.response.point for channel in worst}
+    possible = points | {channel.response.point for channel in untested}
+    places = set(suspect.at.points)
+    return bool(places & points) and places <= possible
 
 
 def _worst_channels(prediction: CoarsePrediction, accepted: Sequence[Effect]) -> set[FrfChannel]:

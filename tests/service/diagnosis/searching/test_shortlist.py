@@ -13,6 +13,7 @@ from modallab.diagnosis.searching.settings import SHORTLIST
 from modallab.diagnosis.searching.shortlist import shortlist
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.extra_mass import ExtraMass
+from modallab.effects.friction import Friction
 from modallab.effects.ground_spring import GroundSpring
 from modallab.effects.local_damping import LocalDamping
 from modallab.rig.effect import Effect
@@ -85,3 +86,28 @@ def test_a_nonlinear_force_of_any_strength_is_looked_for_where_it_is(node: int, 
     suspects = [CubicStiffness(Dof(n, "Y")) for n in (1, 2, 4, 5, 7, 9)]
     predictor, _ = predicting(draw_measurement(setup, [replace(bare, stiffness=share * whole)]))
     assert bare.at in places_of(shortlist(predictor.coarse_prediction([]), [], suspects, silent), bare.kind)
+
+
+@pytest.mark.parametrize("hidden", [CubicStiffness(Dof(6, "Y")), Friction(Dof(6, "Y"))], ids=lambda e: e.kind)
+def test_measured_places_of_a_nonlinear_force_are_predicted_and_others_by_its_linearisation(
+    hidden: CubicStiffness | Friction, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    setup = rig(roving=False, noise=1e-3)
+    predictor, _ = predicting(draw_measurement(setup))
+    amount, sizes = next(iter(hidden.scan_values(predictor.system, setup).items()))
+    hidden = hidden.with_parameters({amount: sizes[len(sizes) // 2]})
+    predictor, _ = predicting(draw_measurement(setup, [hidden]))
+    predicted: list[list[Effect]] = []
+
+    def likely(_prediction: object, _accepted: object, places: list[list[Effect]]) -> list[list[Effect]]:
+        predicted.extend(places)
+        return places
+
+    monkeypatch.setattr(module, "_likely", likely)
+    suspects = [replace(hidden, at=place) for place in type(hidden).places(predictor.system, setup)]
+    found = places_of(shortlist(predictor.coarse_prediction([]), [], suspects, silent), hidden.kind)
+    assert hidden.at in found
+    measured = {dof.point for dof in setup.responses}
+    unmeasured = [sizes for sizes in predicted if sizes[0].at not in measured]
+    assert len(predicted) == len(measured) + len(unmeasured)
+    assert len(unmeasured) <= 3 * SHORTLIST.max_linearised_places  # for each of three noise inflations

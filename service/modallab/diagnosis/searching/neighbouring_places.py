@@ -1,0 +1,33 @@
+"""Places next to an effect's place on the structure."""
+
+from dataclasses import replace
+
+from modallab.core.dof import Dof
+from modallab.core.place import Members, Place
+from modallab.fe.system import DynamicSystem
+from modallab.rig.effect import Effect
+
+
+def at_neighbouring_places(effect: Effect, system: DynamicSystem) -> list[Effect]:
+    """Return an effect of the structure at each place that adjoins its own, parameters unchanged.
+
+    Of a DoF the same direction at the other ends of its node's members; of a single member the members
+    that share a node with it. None for an effect of the rig, of the whole structure or of several members.
+    """
+    if not effect.structural or system.members is None:
+        return []
+    ends = dict(zip(system.members.numbers, system.members.ends, strict=True))
+    places: list[Place] = []
+    if isinstance(effect.at, Dof):
+        node = effect.at.node
+        nodes = {end for pair in ends.values() if node in pair for end in pair} - {node}
+        dofs = {dof.point for dof in system.dofs}
+        neighbours = [replace(effect.at, node=number) for number in sorted(nodes)]
+        places += [dof for dof in neighbours if dof.point in dofs]
+    elif isinstance(effect.at, Members) and len(effect.at.numbers) == 1:
+        (member,) = effect.at.numbers
+        joined = set(ends[member])
+        places += [
+            Members((number,)) for number, pair in ends.items() if number != member and joined & set(pair)
+        ]
+    return [replace(effect, at=place) for place in places]
