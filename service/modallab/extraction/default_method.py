@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from modallab.extraction.multi_mode.settings import MATRIX_FRACTION
+from modallab.extraction.multi_mode.chart_settings import MATRIX_FRACTION
 from modallab.extraction.options import DistantLinesOptions, ExtractionOptions
 
 SINGLE_REFERENCE = "dobson"

@@ -9,7 +9,7 @@ import scipy.linalg
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.extraction.multi_mode.fit_result import ModalFit
-from modallab.extraction.multi_mode.settings import COINCIDENT_MODES
+from modallab.extraction.multi_mode.refinement_settings import COINCIDENT_MODES
 
 
 def coincident_modes(fit: ModalFit) -> list[IntArray]:

@@ -6,8 +6,8 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.numerics import SAFE_DIVISOR
+from modallab.extraction.multi_mode.fit_settings import MODAL_COVARIANCE
 from modallab.extraction.multi_mode.pole_basis import PoleBasis, all_columns
-from modallab.extraction.multi_mode.settings import MODAL_COVARIANCE
 from modallab.extraction.multi_mode.variable_projection import (
     LinearSolution,
     ScaledLines,

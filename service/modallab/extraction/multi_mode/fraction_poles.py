@@ -7,9 +7,9 @@ import scipy.linalg
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.errors import InvalidInputError, bounds
+from modallab.extraction.multi_mode.chart_settings import MATRIX_FRACTION
 from modallab.extraction.multi_mode.global_method import Poles
 from modallab.extraction.multi_mode.matrix_fraction import Fractions, ZDomainData, fit_fractions, to_z_domain
-from modallab.extraction.multi_mode.settings import MATRIX_FRACTION
 
 
 def poles_of_fractions(freq: FloatArray, frf: ComplexArray, weight: FloatArray, orders: IntArray) -> Poles:

@@ -8,7 +8,7 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.errors import NoModeInBandError
-from modallab.extraction.multi_mode.settings import CHART
+from modallab.extraction.multi_mode.chart_settings import CHART
 from modallab.extraction.options import MOST_ORDER, GlobalOptions
 from modallab.extraction.preprocessing.bands import Band, find_bands, requested_bands
 from modallab.extraction.preprocessing.common_peaks import CommonPeaks, find_common

@@ -7,9 +7,9 @@ import numpy as np
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.modal_model import ModalModel
 from modallab.extraction.multi_mode.fit_result import ModalFit
+from modallab.extraction.multi_mode.leakage_settings import LEAKAGE_CORRECTION
 from modallab.extraction.multi_mode.modal_fit import fitted_receptance
 from modallab.extraction.multi_mode.refinement import BandData, StartingPoles
-from modallab.extraction.multi_mode.settings import LEAKAGE_CORRECTION
 from modallab.extraction.options import Damping
 from modallab.extraction.preprocessing.leakage import SinglePole, WindowLeakage
 

@@ -8,9 +8,9 @@ from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.numerics import SAFE_DIVISOR
 from modallab.extraction.multi_mode.fit_result import ModalFit
 from modallab.extraction.multi_mode.leakage_correction import LeakageCorrection, nearest_mode
+from modallab.extraction.multi_mode.leakage_settings import LEAKED_MODES
 from modallab.extraction.multi_mode.modal_fit import fitted_receptance
 from modallab.extraction.multi_mode.refinement import BandData, RefinedModes
-from modallab.extraction.multi_mode.settings import LEAKED_MODES
 from modallab.extraction.options import Damping
 from modallab.extraction.preprocessing.leakage import SinglePole
 from modallab.extraction.preprocessing.leaked_lines import (

@@ -12,10 +12,10 @@ from modallab.extraction.multi_mode.leakage_correction import (
     corrected_lines,
     leaked_weights,
 )
+from modallab.extraction.multi_mode.leakage_settings import LEAKED_MODES
 from modallab.extraction.multi_mode.leaked_covariance import with_leaked_errors
 from modallab.extraction.multi_mode.modal_fit import fit_modes, one_step
 from modallab.extraction.multi_mode.refinement import BandData, RefinedModes
-from modallab.extraction.multi_mode.settings import LEAKED_MODES
 from modallab.extraction.options import Damping
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from modallab.core.arrays import BoolArray, FloatArray, IntArray
 from modallab.core.numerics import COMPARISON_ROUNDING, SAFE_DIVISOR
-from modallab.extraction.multi_mode.settings import PROJECTION
+from modallab.extraction.multi_mode.fit_settings import PROJECTION
 
 
 @dataclass(frozen=True, eq=False)

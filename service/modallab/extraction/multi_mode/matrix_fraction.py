@@ -25,7 +25,7 @@ import scipy.linalg
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.numerics import COMPARISON_ROUNDING, SUM_ROUNDING
-from modallab.extraction.multi_mode.settings import MATRIX_FRACTION
+from modallab.extraction.multi_mode.chart_settings import MATRIX_FRACTION
 
 
 @dataclass(frozen=True, eq=False)

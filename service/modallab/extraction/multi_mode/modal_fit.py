@@ -6,11 +6,11 @@ from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.core.numerics import EIGENVALUE_ROUNDING, SAFE_DIVISOR, SUM_ROUNDING
 from modallab.core.progress import Progress, part, silent
 from modallab.extraction.multi_mode.fit_result import ModalFit
+from modallab.extraction.multi_mode.fit_settings import MODAL_FIT
 from modallab.extraction.multi_mode.modal_covariance import parameter_weights, uncertainty, unit_diagonal
 from modallab.extraction.multi_mode.participation import SharedShapeBasis
 from modallab.extraction.multi_mode.physical_units import constants, to_physical_units
 from modallab.extraction.multi_mode.pole_basis import BASES, PoleBasis
-from modallab.extraction.multi_mode.settings import MODAL_FIT
 from modallab.extraction.multi_mode.variable_projection import (
     LinearSolution,
     ScaledLines,

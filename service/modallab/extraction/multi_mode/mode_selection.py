@@ -6,9 +6,9 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray, frozen
 from modallab.core.modal_model import DoubtfulMode, StabilisationChart
+from modallab.extraction.multi_mode.chart_settings import SELECTION
 from modallab.extraction.multi_mode.global_method import Poles
 from modallab.extraction.multi_mode.pole_tracks import pole_tracks
-from modallab.extraction.multi_mode.settings import SELECTION
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.extraction.multi_mode.fit_settings import PROJECTION
 from modallab.extraction.multi_mode.global_model import GlobalFit
-from modallab.extraction.multi_mode.settings import PROJECTION
 from modallab.extraction.multi_mode.variable_projection import affected_by_outer_modes
 
 

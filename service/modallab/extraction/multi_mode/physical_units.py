@@ -4,11 +4,11 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.numerics import SAFE_DIVISOR
+from modallab.extraction.multi_mode.chart_settings import SELECTION
 from modallab.extraction.multi_mode.fit_result import ModalFit
 from modallab.extraction.multi_mode.modal_covariance import Uncertainty
 from modallab.extraction.multi_mode.participation import SharedShapeBasis
 from modallab.extraction.multi_mode.pole_basis import PoleBasis
-from modallab.extraction.multi_mode.settings import SELECTION
 from modallab.extraction.multi_mode.variable_projection import LinearSolution, ScaledLines
 
 

@@ -7,7 +7,7 @@ from typing import Protocol, Self
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
-from modallab.extraction.multi_mode.settings import MODAL_FIT
+from modallab.extraction.multi_mode.fit_settings import MODAL_FIT
 from modallab.extraction.options import Damping
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 
 from modallab.core.arrays import BoolArray, FloatArray, IntArray
+from modallab.extraction.multi_mode.chart_settings import CHART
 from modallab.extraction.multi_mode.global_method import Poles
-from modallab.extraction.multi_mode.settings import CHART
 
 
 def pole_tracks(poles: Poles) -> list[IntArray]:

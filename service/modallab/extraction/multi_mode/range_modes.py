@@ -11,6 +11,7 @@ from modallab.core.errors import NoModeInBandError
 from modallab.core.modal_model import DoubtfulMode, StabilisationChart
 from modallab.core.numerics import SAFE_DIVISOR
 from modallab.core.progress import Progress, part
+from modallab.extraction.multi_mode.chart_settings import RANGES, SELECTION
 from modallab.extraction.multi_mode.coincident_modes import coincidence_flags
 from modallab.extraction.multi_mode.fit_result import ModalFit
 from modallab.extraction.multi_mode.global_method import GlobalMethod, Poles
@@ -25,7 +26,6 @@ from modallab.extraction.multi_mode.refinement import (
     refine,
 )
 from modallab.extraction.multi_mode.residual_search import refine_with_search
-from modallab.extraction.multi_mode.settings import RANGES, SELECTION
 from modallab.extraction.multi_mode.stabilisation import stabilise
 from modallab.extraction.multi_mode.uniform_grid import poles_of_lines
 from modallab.extraction.multi_mode.variable_projection import stack_references

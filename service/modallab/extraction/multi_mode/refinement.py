@@ -8,9 +8,10 @@ from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.core.modal_model import DoubtfulMode
 from modallab.core.numerics import SAFE_DIVISOR
 from modallab.core.progress import Progress, part
+from modallab.extraction.multi_mode.chart_settings import SELECTION
 from modallab.extraction.multi_mode.fit_result import ModalFit
 from modallab.extraction.multi_mode.modal_fit import fit_modes, fitted_receptance
-from modallab.extraction.multi_mode.settings import REFINEMENT, SELECTION
+from modallab.extraction.multi_mode.refinement_settings import REFINEMENT
 from modallab.extraction.multi_mode.split_modes import Merged, merged_in_ranges, merged_of_one_shape
 from modallab.extraction.multi_mode.variable_projection import affected_by_outer_modes
 from modallab.extraction.options import Damping

@@ -11,7 +11,7 @@ from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.core.numerics import COMPARISON_ROUNDING, SAFE_DIVISOR
 from modallab.extraction.multi_mode.fit_result import ModalFit
 from modallab.extraction.multi_mode.refinement import BandData, between_ends
-from modallab.extraction.multi_mode.settings import RESIDUAL_POLES
+from modallab.extraction.multi_mode.refinement_settings import RESIDUAL_POLES
 from modallab.extraction.multi_mode.uniform_grid import places
 
 Number = TypeVar("Number", bound=np.generic)

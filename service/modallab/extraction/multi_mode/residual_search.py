@@ -8,6 +8,7 @@ import scipy
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.core.numerics import SAFE_DIVISOR
 from modallab.core.progress import Progress, part, silent
+from modallab.extraction.multi_mode.chart_settings import RANGES
 from modallab.extraction.multi_mode.fit_result import ModalFit
 from modallab.extraction.multi_mode.modal_fit import fit_modes, fitted_receptance
 from modallab.extraction.multi_mode.refinement import (
@@ -18,8 +19,8 @@ from modallab.extraction.multi_mode.refinement import (
     refine,
     refine_all,
 )
+from modallab.extraction.multi_mode.refinement_settings import RESIDUAL_POLES
 from modallab.extraction.multi_mode.residual_poles import Candidates, residual_poles
-from modallab.extraction.multi_mode.settings import RANGES, RESIDUAL_POLES
 from modallab.extraction.options import Damping
 
 

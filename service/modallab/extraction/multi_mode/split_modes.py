@@ -9,7 +9,7 @@ import numpy as np
 from modallab.core.arrays import BoolArray, ComplexArray
 from modallab.core.numerics import SAFE_DIVISOR
 from modallab.extraction.multi_mode.fit_result import ModalFit
-from modallab.extraction.multi_mode.settings import SPLIT_MODES
+from modallab.extraction.multi_mode.refinement_settings import SPLIT_MODES
 
 
 @dataclass(frozen=True, eq=False)

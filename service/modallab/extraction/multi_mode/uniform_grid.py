@@ -6,8 +6,8 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.errors import InvalidInputError, bounds
+from modallab.extraction.multi_mode.chart_settings import UNIFORM_GRID
 from modallab.extraction.multi_mode.global_method import GlobalMethod, Poles
-from modallab.extraction.multi_mode.settings import UNIFORM_GRID
 
 
 def poles_of_lines(

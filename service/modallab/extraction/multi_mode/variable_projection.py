@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.numerics import EIGENVALUE_ROUNDING, SAFE_DIVISOR
+from modallab.extraction.multi_mode.fit_settings import PROJECTION
 from modallab.extraction.multi_mode.line_groups import LineGroups, proportional_groups, similar_groups
 from modallab.extraction.multi_mode.pole_basis import PoleBasis, all_columns, all_slopes
 from modallab.extraction.multi_mode.reference_mixing import ReferenceMixing, reference_mixing
-from modallab.extraction.multi_mode.settings import PROJECTION
 from modallab.extraction.multi_mode.weighted_products import grouped_products, weighted_products
 from modallab.extraction.preprocessing.noise_model import INDEPENDENT_LINES, NoiseModel
 

@@ -4,8 +4,8 @@ import numpy as np
 import scipy.linalg.blas
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.extraction.multi_mode.fit_settings import PROJECTION
 from modallab.extraction.multi_mode.line_groups import LineGroups
-from modallab.extraction.multi_mode.settings import PROJECTION
 
 
 def weighted_products(columns: ComplexArray, weight: FloatArray, *, paired_columns: bool) -> FloatArray:

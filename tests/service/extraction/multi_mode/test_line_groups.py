@@ -1,8 +1,8 @@
 import numpy as np
 
 from modallab.core.arrays import FloatArray
+from modallab.extraction.multi_mode.fit_settings import PROJECTION
 from modallab.extraction.multi_mode.line_groups import proportional_groups, similar_groups
-from modallab.extraction.multi_mode.settings import PROJECTION
 
 N_LINES, N_FRF = 40, 5
 

@@ -6,9 +6,9 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.errors import InvalidInputError, bounds
+from modallab.extraction.multi_mode.chart_settings import MATRIX_FRACTION
 from modallab.extraction.multi_mode.fraction_poles import poles_of_fractions
 from modallab.extraction.multi_mode.global_method import GLOBAL_METHODS, Poles, RegisteredGlobalMethod
-from modallab.extraction.multi_mode.settings import MATRIX_FRACTION
 
 
 def poly_reference_lscf(freq: FloatArray, frf: ComplexArray, weight: FloatArray, orders: IntArray) -> Poles:
