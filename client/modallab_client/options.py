@@ -105,8 +105,10 @@ class DiagnosisOptions(TypedDict, total=False):
     # kinds of effects to look for
     hold_out: Mapping[str, Any]
     # FRFs kept out of every fit
-    tolerances: Mapping[str, Any]
-    # what may differ a little and is no missing effect, one standard deviation each
+    tolerances: Mapping[str, Any] | str | None
+    # what may differ a little and is no missing effect, one standard deviation each, or a preset's name;
+    # left out: `none` for a simulated test, `ordinary` for an uploaded one that is not explained without:
+    # none, careful, ordinary, student
     act: bool
     # run the proposed next tests, where the rig is a simulated one
     noise_floor: float | None

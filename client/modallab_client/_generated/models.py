@@ -408,7 +408,7 @@ class ToleratedParameter:
     """Ratio true over declared; of a delay, s."""
 
 
-Verdict = Literal["explained", "nothing_missing", "unexplained", "ambiguous"]
+Verdict = Literal["explained", "partly_explained", "nothing_missing", "unexplained", "ambiguous"]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

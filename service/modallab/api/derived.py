@@ -153,6 +153,8 @@ class _WireTypes:
             null = Literal[name] if name else None
             members = (null if h is NoneType else self.type(h, spec, declared) for h in get_args(hint))
             return Union[tuple(members)]  # noqa: UP007
+        if isinstance(hint, type) and issubclass(hint, Options):
+            return body_of(hint, enforced=self.enforced)
         if spec.choices:
             return hint if self.enforced else Annotated[Text, OneOf(_names(spec.choices))]
         if hint is bool:
@@ -161,8 +163,6 @@ class _WireTypes:
             return self._number(hint, spec)
         if hint is str:
             return Text
-        if isinstance(hint, type) and issubclass(hint, Options):
-            return body_of(hint, enforced=self.enforced)
         if get_origin(hint) is tuple and Ellipsis not in get_args(hint):
             return tuple[tuple(self.type(h, spec, declared) for h in get_args(hint))]  # type: ignore[misc]
         if get_origin(hint) is tuple:
@@ -191,6 +191,7 @@ def _names(choices: Iterable[str]) -> Any:
 def _value(hint: Any, declared: Field[Any], value: Any) -> Any:
     if value is not None and value == declared.metadata["null_name"]:
         return None
-    if isinstance(value, Wire) and isinstance(hint, type) and issubclass(hint, Options):
-        return options_from(hint, value)
+    if isinstance(value, Wire):
+        nested = [h for h in (hint, *get_args(hint)) if isinstance(h, type) and issubclass(h, Options)]
+        return options_from(nested[0], value) if nested else value
     return tuple(value) if isinstance(value, list) else value

@@ -78,8 +78,11 @@ def request_of(options: type[Options], flags: Mapping[str, Any]) -> dict[str, An
     for name, value in flags.items():
         nested = _nested(hints[name])
         if value is not None and value != []:
+            choices = options.specs()[name].choices
             request[name] = (
-                _nested_values(name, nested, value)
+                value[0]
+                if nested is not None and len(value) == 1 and value[0] in choices
+                else _nested_values(name, nested, value)
                 if nested is not None
                 else [_pair(name, text) for text in value]
                 if _is_sequence_of_pairs(hints[name])
@@ -126,7 +129,8 @@ def _form(options: type[Options]) -> str:
 
 
 def _nested(hint: Any) -> type[Options] | None:
-    return hint if isinstance(hint, type) and issubclass(hint, Options) else None
+    members = (hint, *get_args(hint))
+    return next((h for h in members if isinstance(h, type) and issubclass(h, Options)), None)
 
 
 def _is_sequence(hint: Any) -> bool:

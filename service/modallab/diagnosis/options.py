@@ -1,11 +1,11 @@
 """Options of a diagnosis."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 from modallab.core.line_options import LineOptions
 from modallab.core.options import Options, option
-from modallab.diagnosis.optimisation.tolerances import NO_TOLERANCES, Tolerances
+from modallab.diagnosis.optimisation.tolerances import NO_TOLERANCES, TolerancePreset, Tolerances
 
 
 @dataclass(frozen=True)
@@ -28,8 +28,11 @@ class DiagnosisOptions(LineOptions):
         None, doc="kinds of effects to look for", min_items=1, max_items=100, null_name="all"
     )
     hold_out: HoldOut = option(HoldOut(), doc="FRFs kept out of every fit")
-    tolerances: Tolerances = option(
-        NO_TOLERANCES, doc="what may differ a little and is no missing effect, one standard deviation each"
+    tolerances: Tolerances | TolerancePreset | None = option(
+        None,
+        doc="what may differ a little and is no missing effect, one standard deviation each, or a preset's "
+        "name; left out: `none` for a simulated test, `ordinary` for an uploaded one that is not explained "
+        "without",
     )
     act: bool = option(False, doc="run the proposed next tests, where the rig is a simulated one")
     noise_floor: float | None = option(
@@ -46,6 +49,13 @@ class DiagnosisOptions(LineOptions):
     )
 
     @property
+    def stated_tolerances(self) -> Tolerances:
+        """The tolerances that are stated, by name or one by one."""
+        if isinstance(self.tolerances, TolerancePreset):
+            return Tolerances.preset(self.tolerances)
+        return self.tolerances or NO_TOLERANCES
+
+    @property
     def request(self) -> dict[str, Any]:
         """The options beside the seed, as the body of a request has them."""
         stated: dict[str, Any] = {
@@ -56,6 +66,8 @@ class DiagnosisOptions(LineOptions):
         for name, bands in (("bands", self.bands), ("exclude", self.exclude)):
             if bands:
                 stated[name] = [list(band) for band in bands]
-        if self.tolerances != NO_TOLERANCES:
-            stated["tolerances"] = {name: value for name, value in asdict(self.tolerances).items() if value}
+        if isinstance(self.tolerances, Tolerances):
+            stated["tolerances"] = self.tolerances.stated
+        elif self.tolerances is not None:
+            stated["tolerances"] = self.tolerances.value
         return stated if self.noise_floor is None else stated | {"noise_floor": self.noise_floor}

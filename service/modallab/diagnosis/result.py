@@ -16,6 +16,7 @@ class Verdict(StrEnum):
     """Outcome of a diagnosis."""
 
     EXPLAINED = "explained"
+    PARTLY_EXPLAINED = "partly_explained"
     NOTHING_MISSING = "nothing_missing"
     UNEXPLAINED = "unexplained"
     AMBIGUOUS = "ambiguous"

@@ -23,6 +23,17 @@ class DiagnosisSettings(Settings):
         tuned="blind trial of single effects, pairs and causes outside the catalogue: of 14 diagnoses that "
         "left a gap, 7 named an effect that was present",
     )
+    partial_excess: float = setting(
+        0.1,
+        doc="excess of the gap over 1 with the effects, over that without, up to which they explain a part",
+        derived="nine tenths of the difference are explained",
+    )
+    partial_probability: float = setting(
+        0.7,
+        doc="factor of the probability of an effect if the diagnosis explains a part",
+        tuned="seven tests of another simulator with an inexact model: of ten effects named, seven were "
+        "present",
+    )
 
 
 DIAGNOSIS = DiagnosisSettings()

@@ -207,6 +207,13 @@ def test_a_tolerance_without_sense_is_refused_by_name(service: Any, wrong: dict[
     assert problem["context"]["field"] == f"body.tolerances.{name}"
 
 
+def test_a_preset_that_does_not_exist_is_refused_with_the_names_of_those_that_do(service: Any) -> None:
+    body = {"structure_id": "none", "measurement_id": "none", "tolerances": "strict"}
+    problem = refusal(service.request("POST", "/v1/diagnoses", json=body), 422, "invalid_request")
+    assert problem["context"]["field"] == "body.tolerances"
+    assert "ordinary" in str(problem["context"]["allowed"])
+
+
 def test_a_band_without_a_mode_fails_the_job_by_name(service: Any, beam: str, rig: str) -> None:
     test = service.result_of("/v1/measurements", {"structure_id": beam, "rig_id": rig, "route": "expected"})
     body = {"measurement_id": test, "bands": [[90.0, 105.0]]}

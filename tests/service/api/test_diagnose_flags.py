@@ -54,6 +54,7 @@ def test_values_of_nested_options_go_to_the_option_that_takes_them() -> None:
         "hold_out": {"dofs": ["7:+Y", "3:+Y"], "fraction": 0.1},
         "tolerances": {"modulus": 0.01, "delay": 1e-6},
     }
+    assert request_of(DiagnosisOptions, {"tolerances": ["careful"]}) == {"tolerances": "careful"}
     assert request_of(DiagnosisOptions, {"hold_out": ["fraction=0.2"]}) == {"hold_out": {"fraction": 0.2}}
 
 

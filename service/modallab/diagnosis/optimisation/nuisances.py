@@ -225,7 +225,8 @@ def nuisance_parameters(
     loss_factors: tuple[float, ...] = ()
     if tolerances.modal_loss_factor or damping_unknown:
         loss_factors = _loss_factors(system, setup.analyser.frequency_max)
-        deviation = NUISANCE.unknown_loss_factor if damping_unknown else tolerances.modal_loss_factor
+        stated = tolerances.modal_loss_factor or 0.0
+        deviation = NUISANCE.unknown_loss_factor if damping_unknown else stated
         nuisances += [
             Nuisance("modal_loss_factor", deviation, 1.0, "1", mode=i, logarithmic=damping_unknown)
             for i, eta in enumerate(loss_factors, 1)

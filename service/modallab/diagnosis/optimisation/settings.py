@@ -1,6 +1,7 @@
 """Settings of least squares: differences, steps, priors and bounds of nuisance parameters."""
 
 from dataclasses import dataclass
+from typing import Any
 
 from modallab.core.settings import Settings, setting
 
@@ -146,8 +147,52 @@ class ToleranceSettings(Settings):
     )
 
 
+PRESET_NAMES = ("careful", "ordinary", "student")
+
+
+def _preset(careful: float, ordinary: float, student: float, doc: str, **texts: str) -> Any:
+    """Declare a tolerance of each preset, one standard deviation."""
+    return setting((careful, ordinary, student), doc=doc, **{"unit": "1", **texts})
+
+
+@dataclass(frozen=True)
+class PresetSettings(Settings):
+    """Tolerances of the presets `careful`, `ordinary` and `student`, one standard deviation each."""
+
+    modulus: tuple[float, float, float] = _preset(
+        0.003, 0.01, 0.03, "Young's modulus", derived="certified; of a handbook; of the material's name"
+    )
+    density: tuple[float, float, float] = _preset(
+        0.002, 0.005, 0.02, "density", derived="weighed; of a handbook; dimensions by a ruler"
+    )
+    sensitivity: tuple[float, float, float] = _preset(
+        0.003, 0.01, 0.03, "sensitivity of a transducer", derived="calibrated on the day; a year ago; once"
+    )
+    accelerometer_mass: tuple[float, float, float] = _preset(
+        0.01, 0.03, 0.1, "mass of the accelerometers", derived="weighed; data sheet; with stud or cable"
+    )
+    delay: tuple[float, float, float] = _preset(
+        1e-6,
+        2e-6,
+        1e-5,
+        "delay between channels",
+        unit="s",
+        derived="a hundredth of a sample and more at 10 to 50 kHz",
+    )
+    modal_loss_factor: tuple[float, float, float] = _preset(
+        0.1, 0.2, 0.3, "loss factor of a mode", derived="damping is known to ten or more per cent"
+    )
+    modulus_variation: tuple[float, float, float] = _preset(
+        0.002, 0.005, 0.02, "modulus along the structure", derived="extruded; rolled; cast or drilled stock"
+    )
+    density_variation: tuple[float, float, float] = _preset(
+        0.002, 0.005, 0.02, "mass along the structure", derived="thickness tolerances of such stock"
+    )
+
+
 DIFFERENCE = DifferenceSettings()
 LEAST_SQUARES = LeastSquaresSettings()
 NUISANCE = NuisanceSettings()
 RANDOM_FIELD = RandomFieldSettings()
 TOLERANCE = ToleranceSettings()
+PRESET = PresetSettings()

@@ -16,6 +16,10 @@ class PredictionBudget:
         """Count predictions, or the predictions that take as long."""
         self.spent += predictions
 
+    def limit_to(self, share: float) -> None:
+        """Reduce the budget to a share."""
+        self._limit *= share
+
     @property
     def exhausted(self) -> bool:
         """Whether the search should try nothing new."""

@@ -47,6 +47,11 @@ class BudgetSettings(Settings):
         doc="predictions, for each test, after which a search follows no further candidate",
         tuned="blind trial: a pair of effects mostly takes half as many, hopeless searches took ten minutes",
     )
+    first_search: float = setting(
+        0.4,
+        doc="share of the predictions for a search that a second one under assumed tolerances may follow",
+        derived="two searches take little longer than one",
+    )
 
 
 @dataclass(frozen=True)

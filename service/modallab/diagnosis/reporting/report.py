@@ -124,7 +124,8 @@ def _missing_effects(diagnosis: Diagnosis) -> str:
     least = min(step.probability for step in diagnosis.steps)
     if len(diagnosis.steps) > 1 and least < REPORT.even_probability:
         notes += paragraph(LOW_PROBABILITY, "soft")
-    title = "Added effects" if diagnosis.verdict is Verdict.UNEXPLAINED else "Missing effects"
+    unsure = diagnosis.verdict in (Verdict.UNEXPLAINED, Verdict.PARTLY_EXPLAINED)
+    title = "Added effects" if unsure else "Missing effects"
     return f"<h2>{title}</h2>{effects}<ul class='soft'>{definition_list}</ul>{notes}"
 
 

@@ -18,11 +18,6 @@ class ReportSettings(Settings):
         doc="size of a mode's shift above which the shifts stand in a table",
         derived="4 sigma: chance alone exceeds it once in 16,000",
     )
-    little_reduction: float = setting(
-        0.5,
-        doc="share of the gap's excess over 1 that remains, above which the effects explain little",
-        derived="more than half is left",
-    )
     visible_difference: float = setting(
         3.0,
         unit="random errors",

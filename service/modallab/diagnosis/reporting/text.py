@@ -5,7 +5,6 @@ from collections.abc import Mapping, Sequence
 
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members, Place
-from modallab.diagnosis.reporting.settings import REPORT
 from modallab.diagnosis.result import (
     Diagnosis,
     EquivalentEffect,
@@ -162,12 +161,16 @@ def headline(diagnosis: Diagnosis) -> str:
         return f"Explained. Missing effect{'s' if len(steps) > 1 else ''}: {effects}."
     if diagnosis.verdict is Verdict.AMBIGUOUS:
         return f"Explained, but not uniquely: {effects}, or an equivalent effect."
+    if diagnosis.verdict is Verdict.PARTLY_EXPLAINED:
+        share = 100 * (steps[-1].gap_after - 1) / (steps[0].gap_before - 1)
+        return (
+            f"Partly explained: {effects} {'closes' if len(steps) == 1 else 'close'} most of the gap; what "
+            f"remains, {share:.2g} % of it, is more than random error and has no name."
+        )
     if not steps:
         return "Unexplained: no suspect accounts for the difference. Nothing is added to the model."
     verb = "reduces" if len(steps) == 1 else "reduce"
-    if steps[-1].gap_after - 1 > REPORT.little_reduction * (steps[0].gap_before - 1):
-        return f"Unexplained: {effects} {verb} the gap little and may not be present."
-    return f"Partly explained: {effects} {verb} the gap, but another effect is still missing."
+    return f"Unexplained: {effects} {verb} the gap, but may not be present: another effect is missing."
 
 
 def verdict_text(diagnosis: Diagnosis) -> str:

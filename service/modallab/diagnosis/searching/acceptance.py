@@ -21,6 +21,17 @@ def is_noise_only(
 ) -> bool:
     """Return whether every part of the gap is 1 within its random error, fitted and held out alike.
 
+    Parameters
+    ----------
+    max_lag
+        As `unexplained_parts`.
+    """
+    return not unexplained_parts(predictor, candidate, max_lag=max_lag)
+
+
+def unexplained_parts(predictor: Predictor, candidate: Fit, *, max_lag: int | None) -> set[str]:
+    """Return the parts of the gap that are above 1 beyond their random error, on fitted or held-out data.
+
     Errors of nuisance parameters enlarge the gap of held-out data by a known mean.
 
     Parameters
@@ -32,20 +43,19 @@ def is_noise_only(
     """
     observed, found = predictor.observed, candidate.residual
 
-    def excess(mask: BoolArray, allowed: Mapping[str, float]) -> bool:
+    def excess(mask: BoolArray, allowed: Mapping[str, float]) -> set[str]:
         errors = gap_errors(observed, found, mask, max_lag=max_lag)
         limits = {
             part: largest_gap_by_chance(float(np.hypot(error, observed.scale_error)))
             for part, error in errors.items()
         }
         gaps = found.gaps(mask)
-        return any(gap > limits[part] * (1 + allowed.get(part, 0.0)) for part, gap in gaps.items())
+        return {part for part, gap in gaps.items() if gap > limits[part] * (1 + allowed.get(part, 0.0))}
 
-    if excess(observed.fitted, {}):
-        return False
-    if not excess(observed.held_out_mask, {}):
-        return True
-    return len(predictor.nuisances) > 0 and not excess(observed.held_out_mask, candidate.prediction_variance)
+    fitted, held_out = excess(observed.fitted, {}), excess(observed.held_out_mask, {})
+    if not fitted and held_out and len(predictor.nuisances):
+        held_out = excess(observed.held_out_mask, candidate.prediction_variance)
+    return fitted | held_out
 
 
 def largest_gap_by_chance(error: float) -> float:

@@ -10,7 +10,7 @@ from modallab.diagnosis.fitting.coarse_fit import coarse_fit
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.optimisation.nuisances import Nuisances, draw_positions, nuisance_parameters
 from modallab.diagnosis.optimisation.settings import NUISANCE
-from modallab.diagnosis.optimisation.tolerances import Tolerances
+from modallab.diagnosis.optimisation.tolerances import TolerancePreset, Tolerances
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.residual import residual
 from modallab.diagnosis.searching.acceptance import is_noise_only
@@ -203,3 +203,20 @@ def test_a_tolerance_that_makes_no_sense_is_refused(values: dict[str, float], fi
     with pytest.raises(InvalidInputError) as refused:
         Tolerances.of(values)
     assert refused.value.context["field"] == field
+
+
+def test_presets_grow_from_careful_to_student() -> None:
+    careful, ordinary, student = (
+        Tolerances.preset(preset).stated
+        for preset in (TolerancePreset.CAREFUL, TolerancePreset.ORDINARY, TolerancePreset.STUDENT)
+    )
+    assert set(careful) == set(Tolerances.specs())
+    assert all(0 < careful[name] < ordinary[name] < student[name] for name in careful)
+    assert not any(Tolerances.preset(TolerancePreset.NONE).stated.values())
+
+
+def test_what_is_stated_is_kept_and_what_is_left_out_is_completed() -> None:
+    stated = Tolerances(modulus=0.0, delay=1e-5)
+    completed = stated.completed(Tolerances.preset(TolerancePreset.ORDINARY))
+    assert (completed.modulus, completed.delay) == (0.0, 1e-5)
+    assert completed.density == Tolerances.preset(TolerancePreset.ORDINARY).density

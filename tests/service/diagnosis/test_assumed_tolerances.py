@@ -1,0 +1,62 @@
+"""Tolerances that are assumed for an uploaded test."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from modallab.core.dof import Dof
+from modallab.core.place import Members
+from modallab.diagnosis.diagnose import diagnose_with_options
+from modallab.diagnosis.optimisation.tolerance_effects import MemberTolerance
+from modallab.diagnosis.optimisation.tolerances import TolerancePreset
+from modallab.diagnosis.options import DiagnosisOptions
+from modallab.diagnosis.result import Diagnosis, Verdict
+from modallab.effects.extra_mass import ExtraMass
+from modallab.effects.stiffness_error import StiffnessError
+from modallab.rig.effect import Effect
+from modallab.rig.measure import Route
+from tests.diagnosing import draw_measurement, model, rig
+
+SUSPECTS = ("extra_mass", "stiffness_error", "gain_error")
+N_MEMBERS = len(model().members)
+# A model that is wrong everywhere, a little and smoothly: 0.5 % from one end to the other.
+INEXACT = MemberTolerance(stiffness=tuple(np.linspace(0.995, 1.005, N_MEMBERS).tolist()))
+
+
+def diagnosed(*hidden: Effect, uploaded: bool = True, preset: TolerancePreset | None = None) -> Diagnosis:
+    test = draw_measurement(rig(), hidden)
+    test = replace(test, route=None if uploaded else Route.DRAWN)
+    options = DiagnosisOptions(suspects=SUSPECTS, tolerances=preset, max_effects=1)
+    return diagnose_with_options(model(), test, options)
+
+
+def test_an_exact_model_needs_none() -> None:
+    found = diagnosed(ExtraMass(Dof(4, "Y"), 0.02))
+    assert found.verdict is Verdict.EXPLAINED
+    assert found.steps[0].effect.at == Dof(4, "Y")
+    assert not found.tolerated
+    assert not any("assumed" in note for note in found.notes)
+
+
+def test_a_model_that_is_a_little_wrong_everywhere_misses_nothing() -> None:
+    found = diagnosed(INEXACT)
+    assert found.verdict is Verdict.NOTHING_MISSING
+    assert {row.name for row in found.tolerated} >= {"modulus", "modulus_variation", "modal_loss_factor"}
+    (note,) = [note for note in found.notes if "assumed" in note]
+    assert "modulus_variation 0.005" in note
+
+
+def test_an_effect_beside_it_is_named() -> None:
+    found = diagnosed(INEXACT, StiffnessError(Members((3,)), 0.6))
+    assert [step.effect.kind for step in found.steps] == ["stiffness_error"]
+    assert found.steps[0].effect.at == Members((3,))
+    factor = found.steps[0].effect.parameters["factor"]
+    assert abs(factor.value - 0.6 * INEXACT.stiffness[2]) < 4 * factor.standard_error  # four standard errors
+
+
+@pytest.mark.parametrize("preset", [None, TolerancePreset.NONE])
+def test_a_simulated_test_or_one_without_tolerances_has_none(preset: TolerancePreset | None) -> None:
+    found = diagnosed(INEXACT, uploaded=preset is not None, preset=preset)
+    assert found.verdict is not Verdict.NOTHING_MISSING
+    assert not found.tolerated
