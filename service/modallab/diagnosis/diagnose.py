@@ -210,20 +210,20 @@ class _Question:
         """
         first = self._prepared(stated, progress)
         if assumed is None or is_noise_only(first.predictor, first.path.fit):
-            return self._searched(first, self.max_effects, part(progress, 0.05, 1.0)), None
+            return self._search_from(first, self.max_effects, part(progress, 0.05, 1.0)), None
         second = self._prepared(assumed, part(progress, 0.05, 0.1))
         if is_noise_only(second.predictor, second.path.fit):
             return second, assumed
-        found = self._searched(first, 1, part(progress, 0.1, 0.3))
+        found = self._search_from(first, 1, part(progress, 0.1, 0.3))
         if "frf" not in found.unexplained_parts:
             return found, None
         alone = fit(second.predictor, found.path.fit.effects)
         if not is_noise_only(second.predictor, alone) and self.max_effects > 1:
             first.predictor.budget.limit_to(BUDGET.first_search)
-            found = self._searched(first, self.max_effects, part(progress, 0.3, 0.6))
+            found = self._search_from(first, self.max_effects, part(progress, 0.3, 0.6))
             if "frf" not in found.unexplained_parts:
                 return found, None
-        return self._searched(second, self.max_effects, part(progress, 0.6, 1.0)), assumed
+        return self._search_from(second, self.max_effects, part(progress, 0.6, 1.0)), assumed
 
     def _prepared(self, tolerances: Tolerances, progress: Progress) -> _Found:
         """Return the fit under tolerances without any effect."""
@@ -234,7 +234,7 @@ class _Question:
         )
         return _Found(predictor, SearchPath(start), unmeasured)
 
-    def _searched(self, prepared: _Found, max_effects: int, progress: Progress) -> _Found:
+    def _search_from(self, prepared: _Found, max_effects: int, progress: Progress) -> _Found:
         """Return the end of a search from the fit without any effect."""
         predictor = prepared.predictor
         least_suspicion = DIAGNOSIS.least_suspicion if self.suspects is None else 0.0

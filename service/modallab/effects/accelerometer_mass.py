@@ -9,6 +9,7 @@ from modallab.core.dof import Dof
 from modallab.core.parameters import parameter
 from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
+from modallab.fe.point_translations import add_point_masses
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import AcquisitionRun, RigSetup
@@ -31,12 +32,8 @@ class AccelerometerMass(Effect):
     mass: float = parameter(0.02, unit="kg", lower=0.0, upper=0.5, doc="accelerometer with its stud")
 
     def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
-        nodes = (
-            [self.at.node]
-            if isinstance(self.at, Dof)
-            else sorted({dof.node for dof in acquisition_run.outputs})
-        )
-        return system.add_masses(nodes, self.mass)
+        points = [(self.at.node, 0.0)] if isinstance(self.at, Dof) else acquisition_run.accelerometer_points
+        return add_point_masses(system, points, self.mass)
 
     @classmethod
     def from_setup(cls, setup: RigSetup) -> Sequence[Self]:

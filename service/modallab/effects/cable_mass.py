@@ -12,6 +12,7 @@ from modallab.core.parameters import parameter
 from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
 from modallab.fe.attachment import Attachment
+from modallab.fe.point_translations import point_translations
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import AcquisitionRun, RigSetup
@@ -49,15 +50,11 @@ class CableMass(Effect):
     )
 
     def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
-        nodes = (
-            [self.at.node]
-            if isinstance(self.at, Dof)
-            else sorted({dof.node for dof in acquisition_run.outputs})
-        )
-        for node in nodes:
-            translations = tuple(dof for dof in system.dofs if dof.node == node and dof.translational)
-            mass = self.mass * np.eye(len(translations))
-            system = system.attach(Attachment(system.selection(translations), mass, viscous=self.drag * mass))
+        points = [(self.at.node, 0.0)] if isinstance(self.at, Dof) else acquisition_run.accelerometer_points
+        for point in points:
+            columns = point_translations(system, point)
+            mass = self.mass * np.eye(columns.shape[1])
+            system = system.attach(Attachment(columns, mass, viscous=self.drag * mass))
         return system
 
     @classmethod

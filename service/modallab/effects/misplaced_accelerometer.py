@@ -1,7 +1,7 @@
 """Accelerometer beside its declared node."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -10,7 +10,6 @@ from modallab.core.parameters import parameter
 from modallab.core.place import Channels, Place
 from modallab.correlation.evidence import Evidence
 from modallab.effects.settings import MIX_UP
-from modallab.fe.attachment import Attachment
 from modallab.fe.interpolation import point_motion
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
@@ -28,8 +27,8 @@ class MisplacedAccelerometer(Effect):
 
     N are the shape functions of the member, q the motion of its ends: linear along the member and cubic
     across it, Przemieniecki, Theory of Matrix Structural Analysis (1968), section 5.6; beyond a free end
-    the sensor is on a rigid arm. The error is largest for modes with short wavelengths. The declared mass of
-    the accelerometer is at that point too, M' = M + m (N^T N - e e^T).
+    the sensor is on a rigid arm. The error is largest for modes with short wavelengths. Its mass is at that
+    point too.
     """
 
     kind: ClassVar[str] = "misplaced_accelerometer"
@@ -44,22 +43,10 @@ class MisplacedAccelerometer(Effect):
         doc="along the member that starts at the node; negative: back along the one that ends there",
     )
 
-    def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
+    def on_run(self, acquisition_run: AcquisitionRun) -> AcquisitionRun:
         nodes = {dof.node for dof in acquisition_run.outputs if self.acts_on(dof)}
-        mass, table = acquisition_run.accelerometer_mass, system.members
-        if not mass or table is None:
-            return system
-        for node in sorted(nodes):
-            if not table.has_bar(node):
-                raise self._misplaced(_ALLOWED_CHANNELS)
-            columns = np.zeros((len(system.dofs), 2))
-            for i, direction in enumerate("XY"):
-                for row, weight in point_motion(table, node, self.distance, direction):
-                    columns[row, i] = weight
-            columns = columns[:, columns.any(axis=0)]
-            mass_matrix = mass * np.eye(columns.shape[1])
-            system = system.add_mass(node, -mass).attach(Attachment(columns, mass=mass_matrix))
-        return system
+        moved = ((node, (node, self.distance)) for node in sorted(nodes))
+        return replace(acquisition_run, moved=(*acquisition_run.moved, *moved))
 
     def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:
         if channel.force or system.members is None or not self.acts_on(channel.dof):

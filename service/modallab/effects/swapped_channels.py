@@ -1,7 +1,7 @@
 """Two exchanged channels."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations, pairwise
 from typing import ClassVar
 
@@ -23,8 +23,8 @@ class SwappedChannels(Effect):
     """Two exchanged channels, H_1' = H_2 and H_2' = H_1.
 
     Cause: two exchanged cables, or two lines of the log book. Each FRF is correct except for its name. The
-    motions are exchanged, and the places of a roving accelerometer's declared mass; other errors of a channel
-    stay with the name. Reciprocal FRFs no longer agree: Rayleigh, The Theory of Sound (1894), chapter V.
+    motions are exchanged, and the places of a roving accelerometer's mass; other errors of a channel stay
+    with the name. Reciprocal FRFs no longer agree: Rayleigh, The Theory of Sound (1894), chapter V.
     """
 
     kind: ClassVar[str] = "swapped_channels"
@@ -32,14 +32,14 @@ class SwappedChannels(Effect):
     stage: ClassVar[Stage] = Stage.CHANNEL
     allowed_places: ClassVar[tuple[type, ...]] = (Channels,)
 
-    def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
+    def on_run(self, acquisition_run: AcquisitionRun) -> AcquisitionRun:
         channels = self.at.dofs if isinstance(self.at, Channels) else ()
         present = {dof.node for dof in acquisition_run.outputs if self.acts_on(dof)}
         absent = {dof.node for dof in channels} - present
-        mass = acquisition_run.accelerometer_mass
-        if not mass or len(present) != 1 or len(absent) != 1:
-            return system
-        return system.add_mass(min(present), -mass).add_mass(min(absent), mass)
+        if len(present) != 1 or len(absent) != 1:
+            return acquisition_run
+        moved = min(present), (min(absent), 0.0)
+        return replace(acquisition_run, moved=(*acquisition_run.moved, moved))
 
     def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:
         if channel.force or not self.acts_on(channel.dof):

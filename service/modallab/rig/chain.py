@@ -249,13 +249,23 @@ def chain(
     active_effects = [(effect, stages) for effect in effects if any(stages := _acts_on_runs(effect))]
     latest: dict[int, _Altered] = {}
     runs = tuple(
-        _run(system, acquisition_run, active_effects, latest) for acquisition_run in setup.acquisition_runs
+        _run(system, acquisition_run, active_effects, latest)
+        for acquisition_run in _true_runs(setup.acquisition_runs, effects)
     )
     if local := [force for effect in effects if (force := effect.on_motion()) is not None]:
         runs = with_equivalent_linearisation(
             runs, local, setup.analyser, source, same_in_all_runs=same_in_all_runs, initial_rms=initial_rms
         )
     return Chain(setup, runs, noise, source, tuple(effects))
+
+
+def _true_runs(declared: Sequence[AcquisitionRun], effects: Sequence[Effect]) -> Sequence[AcquisitionRun]:
+    """Return the runs with the accelerometers where they are."""
+    runs = list(declared)
+    for effect in effects:
+        if type(effect).on_run is not Effect.on_run:
+            runs = [effect.on_run(run) for run in runs]
+    return runs
 
 
 def _acts_on_runs(effect: Effect) -> tuple[bool, bool, bool]:

@@ -61,6 +61,10 @@ class Effect(Parameterised):
     tolerance: ClassVar[str | None] = None  # name of the model tolerance that its first parameter may have
     at: Place = None
 
+    def on_run(self, acquisition_run: AcquisitionRun) -> AcquisitionRun:
+        """Before all stages: return the run with the accelerometers where they are."""
+        return acquisition_run
+
     def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
         """Stage `STRUCTURE`: return the structure of this run with the effect in it."""
         return system

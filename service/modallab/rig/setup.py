@@ -8,6 +8,7 @@ from modallab.core.place import EffectSpec
 from modallab.estimation.averaging import effective_averages
 from modallab.estimation.estimator import MULTIPLE_INPUT_ESTIMATORS
 from modallab.estimation.windows import WINDOWS
+from modallab.fe.point_translations import Point
 from modallab.rig.analyser import Analyser
 from modallab.rig.hardware import Accelerometers, Exciter, ForceTransducer, Noise, NoiseDensity
 from modallab.rig.stinger import Stinger
@@ -24,8 +25,14 @@ class AcquisitionRun:
     """Measured response DoFs."""
     elapsed: float = 0.0
     """1, share of the test before this run: 0 for the first, 1 for the last."""
-    accelerometer_mass: float = 0.0
-    """kg, declared mass of each accelerometer."""
+    moved: tuple[tuple[int, Point], ...] = ()
+    """Declared node and true point of each accelerometer that is not where it should be."""
+
+    @property
+    def accelerometer_points(self) -> list[Point]:
+        """The points of the accelerometers, one for each node of the responses."""
+        points = dict(self.moved)
+        return [points.get(node, (node, 0.0)) for node in sorted({dof.node for dof in self.outputs})]
 
     @property
     def drive(self) -> Dof:
@@ -151,6 +158,4 @@ class RigSetup:
         drives = [(drive,) for drive in self.drives] if self.exciter.kind == "hammer" else [self.drives]
         runs = [(d, o) for d in drives for o in outputs]
         last = max(len(runs) - 1, 1)
-        return tuple(
-            AcquisitionRun(d, o, i / last, self.accelerometers.mass) for i, (d, o) in enumerate(runs)
-        )
+        return tuple(AcquisitionRun(d, o, i / last) for i, (d, o) in enumerate(runs))

@@ -9,10 +9,14 @@ import modallab.effects.swapped_channels as module
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.place import Channels
+from modallab.diagnosis.optimisation.tolerance_effects import AccelerometerTolerance
+from modallab.effects.accelerometer_mass import AccelerometerMass
+from modallab.effects.cable_mass import CableMass
 from modallab.effects.settings import MIX_UP
 from modallab.effects.swapped_channels import SwappedChannels
 from modallab.fe.receptance import direct_receptance
 from modallab.rig.chain import chain
+from modallab.rig.effect import Effect
 from modallab.rig.hardware import Accelerometers
 from modallab.rig.setup import RigSetup
 from tests.rigs import beam_system, dofs, rig, steel_beam
@@ -58,10 +62,15 @@ def test_a_log_book_that_names_other_than_two_is_refused_when_it_is_used(at: Cha
         chain(beam_system(), SETUP, [SwappedChannels(at=at)])
 
 
-def test_a_roving_accelerometer_takes_its_mass_along() -> None:
+@pytest.mark.parametrize(
+    "load", [AccelerometerMass(None, 0.01), CableMass(None, 0.01, 50.0), AccelerometerTolerance(None, 0.01)]
+)
+def test_a_roving_accelerometer_takes_all_its_mass_along(load: Effect) -> None:
     setup = rig(1, 7, 16, accelerometers=Accelerometers(mass=0.05, roving=True))
-    bare, found = (chain(beam_system(), setup, e).respond(FREQ).inertance for e in ([], [SWAPPED]))
-    # a mass that is taken away again: rounding of sums that cancel, times the ratio of eigenvalues
+    bare, found = (
+        chain(beam_system(), setup, [load, *effects]).respond(FREQ).inertance for effects in ([], [SWAPPED])
+    )
+    # rounding of two solutions: 1e-16 times the ratio of the beam's eigenvalues, 1e6
     np.testing.assert_allclose(found, bare[[0, 2, 1]], rtol=1e-7, atol=1e-9 * np.abs(bare).max())
 
 

@@ -5,6 +5,7 @@ from typing import ClassVar
 
 from modallab.core.parameters import parameter
 from modallab.fe.attachment import Attachment
+from modallab.fe.point_translations import add_point_masses
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import Effect, Stage
 from modallab.rig.setup import AcquisitionRun
@@ -24,8 +25,8 @@ class AccelerometerTolerance(Effect):
 
     def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
         """Return the system with the further mass at every accelerometer."""
-        nodes = sorted({dof.node for dof in acquisition_run.outputs})
-        masses = system.add_masses(nodes, self.more).attachments[len(system.attachments) :]
+        points = acquisition_run.accelerometer_points
+        masses = add_point_masses(system, points, self.more).attachments[len(system.attachments) :]
         attachments = list(system.attachments)
         places = {a.columns.tobytes(): i for i, a in reversed(list(enumerate(attachments))) if _is_mass(a)}
         for mass in masses:
