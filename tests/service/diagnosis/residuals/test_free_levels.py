@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from modallab.core.dof import Dof
-from modallab.diagnosis.diagnose import diagnose, suspected
+from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.residuals.residual import residual
 from modallab.diagnosis.result import Verdict
+from modallab.diagnosis.search_task import suspected
 from modallab.effects.exciter_armature import ExciterArmature
 from modallab.effects.extra_mass import ExtraMass
 from modallab.rig.analyser import ExcitationSetting

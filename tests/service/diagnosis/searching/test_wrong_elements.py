@@ -4,11 +4,12 @@ import pytest
 from modallab.core.dof import Dof
 from modallab.core.place import Members
 from modallab.core.progress import silent
-from modallab.diagnosis.diagnose import diagnose, suspected
+from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.fitting.fit import fit
 from modallab.diagnosis.optimisation.nuisances import nuisance_parameters
 from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.result import Verdict
+from modallab.diagnosis.search_task import suspected
 from modallab.diagnosis.searching import wrong_elements as elements
 from modallab.diagnosis.searching.backward_elimination import Group
 from modallab.diagnosis.searching.multiple_elements import multiple_elements

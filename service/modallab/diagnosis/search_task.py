@@ -1,0 +1,205 @@
+"""Search for missing effects: prediction of the tests, suspects, and stated or assumed tolerances."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
+from modallab.core.progress import Progress, Pulse, part
+from modallab.diagnosis.fitting.fit import Fit, fit
+from modallab.diagnosis.fitting.settings import FIT
+from modallab.diagnosis.optimisation.nuisances import nuisance_parameters
+from modallab.diagnosis.optimisation.tolerances import Tolerances
+from modallab.diagnosis.predicting.held_out import outlying_frfs, select_held_out
+from modallab.diagnosis.predicting.joint_prediction import JointPredictor
+from modallab.diagnosis.predicting.prediction_budget import PredictionBudget
+from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.predicting.settings import BUDGET
+from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
+from modallab.diagnosis.residuals.frf_selection import FrfSelection
+from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.searching.acceptance import is_noise_only, unexplained_parts
+from modallab.diagnosis.searching.search import search
+from modallab.diagnosis.searching.search_path import SearchPath
+from modallab.diagnosis.searching.search_round import Suspects
+from modallab.diagnosis.settings import DIAGNOSIS
+from modallab.fe.damping import UnknownDamping
+from modallab.fe.structure import Structure
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.measurement import Measurement
+from modallab.rig.setup import RigSetup
+
+
+@dataclass(frozen=True, eq=False)
+class SearchResult:
+    """Effects that a search found, and how it predicts."""
+
+    predictor: Predictor
+    """Predictor of the tests."""
+    path: SearchPath
+    """The accepted effects."""
+    unmeasured: tuple[Dof, ...]
+    """Held-out responses without a test."""
+
+    @cached_property
+    def unexplained_parts(self) -> set[str]:
+        """Parts of the measurement whose gap is more than random error."""
+        return unexplained_parts(self.predictor, self.path.fit, max_lag=None)
+
+
+@dataclass(frozen=True, eq=False)
+class SearchTask:
+    """Search for the missing effects of some tests, under any tolerances."""
+
+    structure: Structure
+    """The model."""
+    tests: Sequence[Measurement]
+    """Measurements of the model."""
+    suspects: Sequence[str] | None
+    """Kinds of effects to consider; None for all."""
+    hold_out_fraction: float
+    """Fraction of the FRFs that takes no part in any fit."""
+    hold_out: tuple[Dof, ...]
+    """Responses that take no part in any case."""
+    max_effects: int
+    """Largest number of effects added."""
+    seed: int
+    """Seed of the choice of held-out FRFs."""
+
+    def run(
+        self, stated: Tolerances, assumed: Tolerances | None, pulse: Pulse
+    ) -> tuple[SearchResult, Tolerances | None]:
+        """Return the end of the search, and the assumed tolerances if it needed them.
+
+        The stated tolerances come first: a model that is exact loses nothing by those assumed. They are not
+        searched further where the assumed ones leave random error alone, beside one effect at most.
+        """
+        pulse(0.0, "predicting the tests from model and log book")
+        first = self._prepared(stated, pulse)
+        if assumed is None or is_noise_only(first.predictor, first.path.fit):
+            return self._search_from(first, self.max_effects, pulse), None
+        second = self._prepared(assumed, pulse)
+        if is_noise_only(second.predictor, second.path.fit):
+            return second, assumed
+        found = self._search_from(first, 1, part(pulse, 0.1, 0.3))
+        if "frf" not in found.unexplained_parts:
+            return found, None
+        alone = fit(second.predictor, found.path.fit.effects)
+        if not is_noise_only(second.predictor, alone) and self.max_effects > 1:
+            first.predictor.budget.limit_to(BUDGET.first_search)
+            found = self._search_from(first, self.max_effects, part(pulse, 0.3, 0.6))
+            if "frf" not in found.unexplained_parts:
+                return found, None
+        return self._search_from(second, self.max_effects, part(pulse, 0.6, 1.0)), assumed
+
+    def _prepared(self, tolerances: Tolerances, pulse: Pulse) -> SearchResult:
+        """Return the fit under tolerances without any effect."""
+        predictor, start, unmeasured = _first_prediction(
+            self.structure, self.tests, self.hold_out_fraction, self.hold_out, tolerances, self.seed, pulse
+        )
+        return SearchResult(predictor, SearchPath(start), unmeasured)
+
+    def _search_from(self, prepared: SearchResult, max_effects: int, progress: Progress) -> SearchResult:
+        """Return the end of a search from the fit without any effect."""
+        predictor = prepared.predictor
+        least_suspicion = DIAGNOSIS.least_suspicion if self.suspects is None else 0.0
+        candidates = Suspects(suspected(predictor, self.suspects), least_suspicion)
+        path = search(predictor, prepared.path.start, candidates, max_effects=max_effects, progress=progress)
+        return replace(prepared, path=path)
+
+
+def suspected(predictor: Predictor, kinds: Sequence[str] | None) -> list[Effect]:
+    """Return one effect for each kind and place that may be missing.
+
+    Parameters
+    ----------
+    kinds
+        Kinds of effects; None for all but those that only the user can suspect.
+
+    Raises
+    ------
+    InvalidInputError
+        If a kind is unknown or none is left.
+    """
+    defaults = [kind for kind, cls in EFFECTS.items() if cls.suspected]
+    chosen = defaults if kinds is None else list(dict.fromkeys(kinds))
+    free_damping = predictor.nuisances.damping_free
+    suspects = [
+        EFFECTS[kind](at=place)
+        for kind in chosen
+        if not (free_damping and EFFECTS[kind].of_stated_damping)
+        for place in EFFECTS[kind].places(predictor.system, predictor.setup)
+    ]
+    if not suspects:
+        raise InvalidInputError("no suspect is left", field="suspects", allowed=list(EFFECTS))
+    return suspects
+
+
+def _first_prediction(
+    structure: Structure,
+    tests: Sequence[Measurement],
+    hold_out_fraction: float,
+    hold_out: Sequence[Dof],
+    tolerances: Tolerances,
+    seed: int,
+    pulse: Pulse,
+) -> tuple[Predictor, Fit, tuple[Dof, ...]]:
+    """Return the predictor, its fit without missing effects, and the held-out responses without a test.
+
+    Only with the nuisance parameters fitted do channels with a gross error stand out; these are not held out.
+    """
+    first = tests[0]
+    held_out, unmeasured = select_held_out(structure, first, hold_out_fraction, hold_out, seed)
+    predictor = _predictor(structure, tests, held_out, hold_out_fraction, tolerances, pulse)
+    start = fit(predictor, ())
+    outliers = set[FrfSelection]()
+    if any(tolerances.stated.values()):
+        frfs = outlying_frfs(predictor.observed, start.residual, roving_hammer=first.setup.roving_hammer)
+        outliers = set(frfs)
+    named, _ = select_held_out(structure, first, 0.0, hold_out, seed)
+    if outliers & (set(held_out) - set(named)):
+        held_out, _ = select_held_out(structure, first, hold_out_fraction, hold_out, seed, spared=outliers)
+        predictor = _predictor(structure, tests, held_out, hold_out_fraction, tolerances, pulse)
+        start = fit(predictor, ())
+    return predictor, start, unmeasured
+
+
+def _predictor(
+    structure: Structure,
+    tests: Sequence[Measurement],
+    held_out: Sequence[FrfSelection],
+    fraction: float,
+    tolerances: Tolerances,
+    pulse: Pulse,
+) -> Predictor:
+    """Return the predictor of all tests, with nuisance parameters free within their tolerances."""
+    observations = [observe(test, held_out, fraction=fraction) for test in tests]
+    budget = PredictionBudget(BUDGET.predictions_per_test * len(tests))
+    first = SingleTestPredictor.of(
+        structure, tests[0].setup, observations[0], heartbeat=pulse.beat, budget=budget
+    )
+    all_responses = _with_all_responses([test.setup for test in tests])
+    nuisances = nuisance_parameters(
+        tolerances,
+        first.system,
+        all_responses,
+        damping_unknown=isinstance(structure.damping, UnknownDamping),
+    )
+    first = first.with_nuisances(nuisances)
+    for _ in range(FIT.unknown_damping_fits if nuisances.damping_free else 0):
+        first = first.with_nuisances_at(fit(first, ()).nuisance_position)
+    follow_up_predictors = [
+        first.follow_up(test.setup, observed)
+        for test, observed in zip(tests[1:], observations[1:], strict=True)
+    ]
+    return JointPredictor.of([first, *follow_up_predictors]) if follow_up_predictors else first
+
+
+def _with_all_responses(setups: Sequence[RigSetup]) -> RigSetup:
+    """Return the first log book with the responses of all tests: each transducer has nuisances."""
+    responses: dict[Dof, Dof] = {}
+    for setup in setups:
+        for dof in setup.responses:
+            responses.setdefault(dof.point, dof)
+    return replace(setups[0], responses=tuple(responses.values()))
