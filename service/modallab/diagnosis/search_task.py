@@ -82,16 +82,17 @@ class SearchTask:
         second = self._prepared(assumed, pulse)
         if is_noise_only(second.predictor, second.path.fit):
             return second, assumed
-        found = self._search_from(first, 1, part(pulse, 0.05, 0.5))
+        # A search for one effect that explains nothing ends before half of its progress.
+        found = self._search_from(first, 1, pulse)
         if "frf" not in found.unexplained_parts:
             return found, None
         alone = fit(second.predictor, found.path.fit.effects)
         if not is_noise_only(second.predictor, alone) and self.max_effects > 1:
             first.predictor.budget.limit_to(BUDGET.first_search)
-            found = self._search_from(first, self.max_effects, part(pulse, 0.5, 0.7))
+            found = self._search_from(first, self.max_effects, part(pulse, 0.5, 0.75))
             if "frf" not in found.unexplained_parts:
                 return found, None
-        return self._search_from(second, self.max_effects, part(pulse, 0.7, 1.0)), assumed
+        return self._search_from(second, self.max_effects, part(pulse, 0.75, 1.0)), assumed
 
     def _prepared(self, tolerances: Tolerances, pulse: Pulse) -> SearchResult:
         """Return the fit under tolerances without any effect."""
