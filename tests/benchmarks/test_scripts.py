@@ -27,8 +27,10 @@ SMALL = {
     "gap_without_cause": ["1"],
     "hammer_modes": ["1", "--points", "20", "--lines", "1601"],
     "leaked_errors": ["1", "dobson"],
+    "pair_errors": ["1"],
     "strange_files": ["--every", "200"],
     "viscous_modes": ["1"],
+    "windowed_errors": ["1", "dobson"],
 }
 # Minutes at any size; their functions run in `test_benches.py`, below and in `tests/end_to_end`.
 ELSEWHERE = {
