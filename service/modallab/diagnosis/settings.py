@@ -31,8 +31,7 @@ class DiagnosisSettings(Settings):
     partial_probability: float = setting(
         0.7,
         doc="factor of the probability of an effect if the diagnosis explains a part",
-        tuned="seven tests of another simulator with an inexact model: of ten effects named, seven were "
-        "present",
+        derived="between 1 of an explanation and the factor of an unexplained gap; few cases are known yet",
     )
 
 

@@ -74,15 +74,27 @@ class MisplacedAccelerometer(Effect):
         return tuple(Channels((dof,)) for dof in setup.responses if table and table.has_bar(dof.node))
 
     def scan_values(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
-        """Return distances in both directions: small ones, and parts and multiples of a member's length."""
+        """Return distances in both directions: small ones, and parts and multiples of a member's length.
+
+        Not those to points that cannot move, where an accelerometer has no signal.
+        """
         table = system.members
-        nodes = [dof.node for dof in self.at.dofs] if isinstance(self.at, Channels) else []
-        lengths = [] if table is None else [length for node in nodes for length in table.bar_lengths(node)]
-        if not lengths:
+        dofs = self.at.dofs if isinstance(self.at, Channels) else ()
+        if table is None or not dofs:
             return {}
-        length, highest = float(np.mean(lengths)), self.specs()["distance"].upper
-        sizes = [min(share * length, highest) for share in MIX_UP.misplacements]
-        return {"distance": [-size for size in reversed(sizes)] + sizes}
+        length = float(np.mean([length for dof in dofs for length in table.bar_lengths(dof.node)]))
+        sizes = [share * length for share in MIX_UP.misplacements]
+        highest = self.specs()["distance"].upper
+        distances = [d for d in (*(-size for size in reversed(sizes)), *sizes) if abs(d) <= highest]
+        moving = [
+            distance
+            for distance in distances
+            if all(
+                any(weight for _, weight in point_motion(table, dof.node, distance, dof.direction))
+                for dof in dofs
+            )
+        ]
+        return {"distance": moving}
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:

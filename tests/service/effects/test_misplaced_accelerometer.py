@@ -1,5 +1,7 @@
 """An accelerometer that sits beside its node."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from modallab.core.place import Channels
 from modallab.effects.misplaced_accelerometer import MisplacedAccelerometer
 from modallab.fe.assembly import assemble
 from modallab.fe.receptance import direct_receptance
+from modallab.fe.structure import Support
 from modallab.rig.chain import chain
 from modallab.rig.hardware import Accelerometers
 from modallab.rig.setup import RigSetup
@@ -71,3 +74,11 @@ def test_it_is_looked_for_at_the_next_node_and_a_little_beside_its_own() -> None
         assert np.isclose(distances, wanted).any()
     assert 0 < np.abs(distances).min() < 0.005
     assert (np.diff(distances) > 0).all()
+
+
+def test_it_is_not_looked_for_where_nothing_moves() -> None:
+    clamped = assemble(replace(steel_beam(), supports=(Support(1, ("Y", "RZ")),)))
+    effect = MisplacedAccelerometer(at=Channels(dofs(3)))
+    distances = effect.scan_values(clamped, rig(21, 3))["distance"]
+    assert -0.15 not in np.round(distances, 9)  # m: node 1 is two members away
+    assert 0.15 in np.round(distances, 9)
