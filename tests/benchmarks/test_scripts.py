@@ -28,7 +28,7 @@ SMALL = {
     "hammer_modes": ["1", "--points", "20", "--lines", "1601"],
     "leaked_errors": ["1", "dobson"],
     "pair_errors": ["1"],
-    "strange_files": ["--every", "200"],
+    "strange_files": ["--every", "20"],
     "viscous_modes": ["1"],
     "windowed_errors": ["1", "dobson"],
 }

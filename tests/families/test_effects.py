@@ -185,6 +185,10 @@ def test_a_structure_with_it_is_the_same_in_every_run(kind: str) -> None:
         assert [a.key for a in one.attachments] == [a.key for a in other.attachments]
 
 
+# Next to a node of the motion the third power of a displacement is small.
+STRONG = {"cubic_stiffness": {"stiffness": 3e9}}  # N/m^3
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_it_changes_something_at_every_place_it_names(kind: str) -> None:
     # a spring between structure and armature is nothing without an armature
@@ -193,11 +197,11 @@ def test_it_changes_something_at_every_place_it_names(kind: str) -> None:
     places = EFFECTS[kind].places(SYSTEMS[kind], setup)
     assert places
     for place in places:
-        found = expected_spectra(chain(SYSTEMS[kind], setup, [EFFECTS[kind](at=place)]))
+        effect = EFFECTS[kind](at=place).with_parameters(STRONG.get(kind, {}))
+        found = expected_spectra(chain(SYSTEMS[kind], setup, [effect]))
         pairs = (found.ff, bare.ff), (found.xx[:, 1:], bare.xx[:, 1:]), (found.fx[:, 1:], bare.fx[:, 1:])
         changes = [np.abs(one / other - 1).max() for one, other in pairs]
-        # a cubic spring next to a node of the motion: far above rounding, 1e-12
-        assert max(changes) > 1e-9, str(place)
+        assert max(changes) > 1e-6, str(place)
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if EFFECTS[kind].specs()])

@@ -15,14 +15,20 @@ from modallab.diagnosis.predicting.follow_up import FollowUp
 from modallab.diagnosis.predicting.limitations import limitations
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.residual import gap_error
-from modallab.diagnosis.result import Diagnosis, Verdict
+from modallab.diagnosis.result import Diagnosis, Step, Verdict
 from modallab.diagnosis.result_builder import curves, extended, rivals, step, tolerated
 from modallab.diagnosis.search_task import SearchTask
 from modallab.diagnosis.searching.search_path import SearchPath
 from modallab.diagnosis.settings import DIAGNOSIS
-from modallab.diagnosis.test_design.proposal import equivalent_fits, named_fit, next_test
+from modallab.diagnosis.test_design.proposal import next_test
 from modallab.fe.structure import Structure
 from modallab.rig.measurement import Measurement
+
+# Where a gap remains, the missing effect may be none of the rivals.
+INCOMPLETE_PROBABILITY = {
+    Verdict.UNEXPLAINED: DIAGNOSIS.incomplete_probability,
+    Verdict.PARTLY_EXPLAINED: DIAGNOSIS.partial_probability,
+}
 
 
 def diagnose_with_options(
@@ -128,8 +134,10 @@ def diagnose(
     pulse(0.94, "preparing the result")
     predictor, path, explained = found.predictor, found.path, not found.unexplained_parts
     observed, start = predictor.observed, path.start
-    verdict = _verdict(predictor, path, explained)
-    steps = tuple(step(predictor, accepted, path.fit, verdict) for accepted in path.steps)
+    steps = tuple(step(predictor, accepted, path.fit) for accepted in path.steps)
+    verdict = _verdict(predictor, path, steps, explained)
+    factor = INCOMPLETE_PROBABILITY.get(verdict, 1.0)
+    steps = tuple(replace(each, probability=factor * each.probability) for each in steps)
     model, log_book = extended(structure, measurement.setup, path.fit.effects)
     residual = path.fit.residual
     changes = [follow_up.change for follow_up in follow_ups]
@@ -175,7 +183,7 @@ def _assumption_note(stated: Tolerances, assumed: Tolerances | None) -> tuple[st
     values = {name: value for name, value in assumed.stated.items() if name not in stated.stated}
     listed = ", ".join(f"{name} {value:g}" for name, value in values.items())
     return (
-        f"The model with the stated tolerances leaves more than random error, whatever is missing. "
+        "No effect explains the measurement with the stated tolerances alone. "
         f"Tolerances that were not stated are assumed to be ordinary, one standard deviation each: {listed}",
     )
 
@@ -190,17 +198,14 @@ def _budget_note(predictor: Predictor, explained: bool) -> tuple[str, ...]:
     )
 
 
-def _verdict(predictor: Predictor, path: SearchPath, explained: bool) -> Verdict:
+def _verdict(predictor: Predictor, path: SearchPath, steps: Sequence[Step], explained: bool) -> Verdict:
     """Return the verdict; partly explained if the effects surpass their rivals and close most of the gap."""
-    if not path.steps:
+    if not steps:
         return Verdict.NOTHING_MISSING if explained else Verdict.UNEXPLAINED
-    alike = any(equivalent_fits(predictor, accepted, named_fit(accepted)) for accepted in path.steps)
+    alike = any(step.rivals_alike for step in steps)
     if explained:
         return Verdict.AMBIGUOUS if alike else Verdict.EXPLAINED
     mask = predictor.observed.fitted
     excess, excess_before = (found.residual.gap(mask) - 1 for found in (path.fit, path.start))
-    return (
-        Verdict.UNEXPLAINED
-        if alike or excess > DIAGNOSIS.partial_excess * excess_before
-        else Verdict.PARTLY_EXPLAINED
-    )
+    most = excess <= DIAGNOSIS.partial_excess * excess_before
+    return Verdict.PARTLY_EXPLAINED if most and not alike else Verdict.UNEXPLAINED

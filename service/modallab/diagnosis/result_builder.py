@@ -20,7 +20,6 @@ from modallab.diagnosis.result import (
     Rival,
     Step,
     ToleratedParameter,
-    Verdict,
 )
 from modallab.diagnosis.result_curves import DiagnosisCurves, Spectra
 from modallab.diagnosis.searching.acceptance import model_probabilities
@@ -91,21 +90,15 @@ def rivals(predictor: Predictor, candidates: Sequence[Fit], chosen: Fit | None =
     )
 
 
-def step(predictor: Predictor, accepted: AcceptedEffect, final: Fit, verdict: Verdict) -> Step:
+def step(predictor: Predictor, accepted: AcceptedEffect, final: Fit) -> Step:
     """Return one added effect with its probability, gaps and rivals.
 
     Parameters
     ----------
     final
         Fit of all effects together.
-    verdict
-        Of the diagnosis: where a gap remains, the missing effect may be none of the rivals.
     """
     observed, candidates = predictor.observed, accepted.round_fits
-    factor = {
-        Verdict.UNEXPLAINED: DIAGNOSIS.incomplete_probability,
-        Verdict.PARTLY_EXPLAINED: DIAGNOSIS.partial_probability,
-    }.get(verdict, 1.0)
     chosen = named_fit(accepted)
     equivalent = equivalent_fits(predictor, accepted, chosen)[: DIAGNOSIS.max_equivalent_effects]
     probability = dict(zip(map(id, candidates), model_probabilities(predictor, candidates), strict=True))
@@ -113,7 +106,7 @@ def step(predictor: Predictor, accepted: AcceptedEffect, final: Fit, verdict: Ve
     position = [(e.kind, str(e.at)) for e in final.effects].index(accepted.kind_and_place)
     return Step(
         effect=_fitted(final, position, level_known=any(test.level_known for test in predictor.tests)),
-        probability=probability[id(chosen)] * factor,
+        probability=probability[id(chosen)],
         gap_before=accepted.previous_fit.residual.gap(observed.fitted),
         gap_after=accepted.fit.residual.gap(observed.fitted),
         held_out_gap_before=accepted.previous_fit.residual.gap(observed.held_out_mask),

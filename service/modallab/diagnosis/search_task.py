@@ -70,16 +70,16 @@ class SearchTask:
     def run(
         self, stated: Tolerances, assumed: Tolerances | None, pulse: Pulse
     ) -> tuple[SearchResult, Tolerances | None]:
-        """Return the end of the search, and the assumed tolerances if it needed them.
+        """Return the result of the search, and the assumed tolerances if they were needed.
 
         The stated tolerances come first: a model that is exact loses nothing by those assumed. They are not
         searched further where the assumed ones leave random error alone, beside one effect at most.
         """
         pulse(0.0, "predicting the tests from model and log book")
-        first = self._prepared(stated, pulse)
+        first = self._start(stated, pulse)
         if assumed is None or is_noise_only(first.predictor, first.path.fit):
             return self._search_from(first, self.max_effects, pulse), None
-        second = self._prepared(assumed, pulse)
+        second = self._start(assumed, pulse)
         if is_noise_only(second.predictor, second.path.fit):
             return second, assumed
         # A search for one effect that explains nothing ends before half of its progress.
@@ -94,20 +94,20 @@ class SearchTask:
                 return found, None
         return self._search_from(second, self.max_effects, part(pulse, 0.75, 1.0)), assumed
 
-    def _prepared(self, tolerances: Tolerances, pulse: Pulse) -> SearchResult:
+    def _start(self, tolerances: Tolerances, pulse: Pulse) -> SearchResult:
         """Return the fit under tolerances without any effect."""
-        predictor, start, unmeasured = _first_prediction(
+        predictor, unexplained, unmeasured = _first_prediction(
             self.structure, self.tests, self.hold_out_fraction, self.hold_out, tolerances, self.seed, pulse
         )
-        return SearchResult(predictor, SearchPath(start), unmeasured)
+        return SearchResult(predictor, SearchPath(unexplained), unmeasured)
 
-    def _search_from(self, prepared: SearchResult, max_effects: int, progress: Progress) -> SearchResult:
-        """Return the end of a search from the fit without any effect."""
-        predictor = prepared.predictor
+    def _search_from(self, start: SearchResult, max_effects: int, progress: Progress) -> SearchResult:
+        """Return the result of a search from the fit without any effect."""
+        predictor = start.predictor
         least_suspicion = DIAGNOSIS.least_suspicion if self.suspects is None else 0.0
         candidates = Suspects(suspected(predictor, self.suspects), least_suspicion)
-        path = search(predictor, prepared.path.start, candidates, max_effects=max_effects, progress=progress)
-        return replace(prepared, path=path)
+        path = search(predictor, start.path.start, candidates, max_effects=max_effects, progress=progress)
+        return replace(start, path=path)
 
 
 def suspected(predictor: Predictor, kinds: Sequence[str] | None) -> list[Effect]:

@@ -45,8 +45,9 @@ class MisplacedAccelerometer(Effect):
 
     def on_run(self, acquisition_run: AcquisitionRun) -> AcquisitionRun:
         nodes = {dof.node for dof in acquisition_run.outputs if self.acts_on(dof)}
-        moved = ((node, (node, self.distance)) for node in sorted(nodes))
-        return replace(acquisition_run, moved=(*acquisition_run.moved, *moved))
+        points = ((node, (node, self.distance)) for node in sorted(nodes))
+        displaced = (*acquisition_run.displaced_accelerometers, *points)
+        return replace(acquisition_run, displaced_accelerometers=displaced)
 
     def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:
         if channel.force or system.members is None or not self.acts_on(channel.dof):

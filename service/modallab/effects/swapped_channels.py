@@ -38,8 +38,9 @@ class SwappedChannels(Effect):
         absent = {dof.node for dof in channels} - present
         if len(present) != 1 or len(absent) != 1:
             return acquisition_run
-        moved = min(present), (min(absent), 0.0)
-        return replace(acquisition_run, moved=(*acquisition_run.moved, moved))
+        point = min(present), (min(absent), 0.0)
+        displaced = (*acquisition_run.displaced_accelerometers, point)
+        return replace(acquisition_run, displaced_accelerometers=displaced)
 
     def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:
         if channel.force or not self.acts_on(channel.dof):

@@ -260,7 +260,7 @@ def chain(
 
 
 def _true_runs(declared: Sequence[AcquisitionRun], effects: Sequence[Effect]) -> Sequence[AcquisitionRun]:
-    """Return the runs with the accelerometers where they are."""
+    """Return the runs with each accelerometer at its true point."""
     runs = list(declared)
     for effect in effects:
         if type(effect).on_run is not Effect.on_run:

@@ -62,7 +62,7 @@ class Effect(Parameterised):
     at: Place = None
 
     def on_run(self, acquisition_run: AcquisitionRun) -> AcquisitionRun:
-        """Before all stages: return the run with the accelerometers where they are."""
+        """Before all stages: return the run with each accelerometer at its true point."""
         return acquisition_run
 
     def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:

@@ -25,13 +25,13 @@ class AcquisitionRun:
     """Measured response DoFs."""
     elapsed: float = 0.0
     """1, share of the test before this run: 0 for the first, 1 for the last."""
-    moved: tuple[tuple[int, Point], ...] = ()
+    displaced_accelerometers: tuple[tuple[int, Point], ...] = ()
     """Declared node and true point of each accelerometer that is not where it should be."""
 
     @property
     def accelerometer_points(self) -> list[Point]:
         """The points of the accelerometers, one for each node of the responses."""
-        points = dict(self.moved)
+        points = dict(self.displaced_accelerometers)
         return [points.get(node, (node, 0.0)) for node in sorted({dof.node for dof in self.outputs})]
 
     @property

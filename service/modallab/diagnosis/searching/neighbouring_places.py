@@ -8,11 +8,12 @@ from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import Effect
 
 
-def at_neighbouring_places(effect: Effect, system: DynamicSystem) -> list[Effect]:
-    """Return an effect of the structure at each place that adjoins its own, parameters unchanged.
+def neighbouring_effects(effect: Effect, system: DynamicSystem) -> list[Effect]:
+    """Return a copy of an effect of the structure at each adjoining place, parameters unchanged.
 
-    Of a DoF the same direction at the other ends of its node's members; of a single member the members
-    that share a node with it. None for an effect of the rig, of the whole structure or of several members.
+    Places that adjoin a DoF are the same direction at the other ends of its node's members; those that
+    adjoin a member are the members that share a node with it. An effect of the rig, of the whole structure
+    or of several members has none.
     """
     if not effect.structural or system.members is None:
         return []

@@ -16,7 +16,7 @@ from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import is_noise_only, ranked_by_bic
-from modallab.diagnosis.searching.neighbouring_places import at_neighbouring_places
+from modallab.diagnosis.searching.neighbouring_places import neighbouring_effects
 from modallab.diagnosis.searching.scanning import scan
 from modallab.diagnosis.searching.search_path import kind_and_place
 from modallab.diagnosis.searching.settings import LOSS, ROUND
@@ -110,7 +110,7 @@ class _Round:
             last = None
             while (best := self._best_of(kind)) is not last and not self._predictor.budget.exhausted:
                 last = best
-                for effect in at_neighbouring_places(best.effects[-1], self._predictor.system):
+                for effect in neighbouring_effects(best.effects[-1], self._predictor.system):
                     if kind_and_place(effect) in self._suspected - self._fitted:
                         with suppress(InvalidInputError):
                             inflation = LOSS.noise_inflations[1]

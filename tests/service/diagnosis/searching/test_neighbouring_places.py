@@ -4,7 +4,7 @@ import pytest
 
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members, Place
-from modallab.diagnosis.searching.neighbouring_places import at_neighbouring_places
+from modallab.diagnosis.searching.neighbouring_places import neighbouring_effects
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.gain_error import GainError
 from modallab.effects.stiffness_error import StiffnessError
@@ -25,6 +25,6 @@ from tests.rigs import beam_system, dofs
     ids=str,
 )
 def test_they_share_a_member_or_a_node(effect: Effect, places: list[Place]) -> None:
-    found = at_neighbouring_places(effect, beam_system())
+    found = neighbouring_effects(effect, beam_system())
     assert [neighbour.at for neighbour in found] == places
     assert all(neighbour.parameters == effect.parameters for neighbour in found)
