@@ -1,4 +1,4 @@
-"""How each effect is shown; one without an entry is shown on the free beam, where it could sit."""
+"""Example of each effect; an effect without an entry is shown on the free beam, at one of its places."""
 
 from docs.gallery.example import Example, structure
 from modallab.core.dof import Dof
@@ -47,13 +47,15 @@ STRUCTURE = {
     "ground_spring": Example(
         at="11:+Y",
         band=(0.0, 150.0),
-        shows="A spring at mid-span: the free beam bounces on it; low frequencies rise, high ones hardly.",
+        shows="A spring at mid-span, on which the free beam bounces: low frequencies rise, high ones change"
+        " little.",
     ),
     "rotational_ground_spring": Example(
         at="1:+RZ",
         parameters={"stiffness": 500.0},
         band=(0.0, 150.0),
-        shows="The driven end is held in rotation: the rigid rotation becomes a resonance, low modes rise.",
+        shows="A spring restrains the rotation of the driven end: the rigid-body rotation becomes a"
+        " resonance, and low frequencies rise.",
     ),
     "joint_flexibility": Example(
         at="8:+RZ",
@@ -91,13 +93,15 @@ STRUCTURE = {
         levels=(0.005, 1.0),
         panels=("magnitude", "coherence"),
         band=(2.0, 100.0),
-        shows="Within the gap nothing changes; beyond it the stops stiffen the beam, and coherence falls.",
+        shows="Motion within the gap is not affected; larger motion strikes the stops, which stiffen the"
+        " beam, and coherence falls.",
     ),
     "drift": Example(
         rig={"responses": ["1:+Y", "11:+Y", "21:+Y"], "accelerometers": {"roving": True}},
         band=(300.0, 330.0),
         panels=("magnitude 1:+Y", "magnitude 11:+Y", "magnitude 21:+Y"),
-        shows="The last run measures a beam one per cent softer than the first: no common frequencies.",
+        shows="The beam is one per cent softer in the last run than in the first: natural frequencies"
+        " differ between FRFs.",
     ),
 }
 EXCITER = {
@@ -207,7 +211,8 @@ TRANSDUCERS = {
     "misplaced_accelerometer": Example(
         at={"channels": ["7:+Y"]},
         panels=("magnitude", "ratio"),
-        shows="One centimetre off: antiresonances move, most at high frequency.",
+        shows="The accelerometer is one centimetre beside its node: antiresonances move, most at high"
+        " frequency.",
     ),
 }
 ANALYSER = {
@@ -229,11 +234,11 @@ ANALYSER = {
     ),
     "quantisation": Example(
         panels=("magnitude", "coherence", "response"),
-        shows="8 bits: a noise floor under the spectra; coherence falls where spectra are near it.",
+        shows="With 8 bits the spectra have a noise floor; coherence falls where a spectrum is near it.",
     ),
     "overload": Example(
         panels=("magnitude", "coherence", "response"),
-        shows="Clipped peaks cause a noise floor, far above that of the converter.",
+        shows="Clipped peaks cause a noise floor, far above that of rounding.",
     ),
 }
 NOISE = {

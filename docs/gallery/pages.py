@@ -2,6 +2,7 @@
 
 import inspect
 import json
+from collections.abc import Sequence
 from types import NoneType
 from typing import Any
 
@@ -28,15 +29,15 @@ the remainder of the force as a force that is incoherent with the source. The ro
 the nonlinear force in time. The two agree to second order. They differ where the motion is not Gaussian:
 a single narrow resonance with strong nonlinearity, jumps between two states of motion, and the scatter
 of coherence from record to record."""
-_CONVERTED = """The route `expected` adds the mean influence on Gaussian signals to the spectra, the
-route `sampled` changes every sample. They differ where signals are not Gaussian, and in the scatter from
-record to record."""
-_SHAPED = """The route `expected` includes the effect in the expected spectra, the route `sampled` in the
-signal of the source. They differ by random error only."""
-_NOISY = """The route `expected` adds the power to the auto spectra, the route `sampled` adds a random
-signal to every record. They differ by random error only."""
+_CONVERTED = """The route `expected` adds the mean influence on Gaussian signals to the spectra; the
+route `sampled` changes every sample. The results differ where signals are not Gaussian, and in their
+scatter from record to record."""
+_SHAPED = """The route `expected` includes the effect in the expected spectra, the route `sampled` includes it
+in the signal of the source. The results differ by random error only."""
+_NOISY = """The route `expected` adds the power of the noise to the auto spectra, the route `sampled` adds a
+random signal to every record. The results differ by random error only."""
 _LINEAR = """The effect is linear: the routes `expected`, `drawn` and `sampled` use the same frequency
-response, and differ by random error only."""
+response, and their results differ by random error only."""
 
 
 def page(kind: str) -> str:
@@ -51,7 +52,7 @@ def page(kind: str) -> str:
         f"## Declaration\n\n{_declared(kind)}",
         f"## Routes\n\n{_routes(cls)}",
         f"## Similar effects\n\n{_alike(cls)}",
-        "[All effects](README.md)",
+        "[All effects](README.md). [Terms, symbols and short names of sources](../glossary.md).",
     ]
     return "\n\n".join(parts) + "\n"
 
@@ -127,8 +128,14 @@ def _caption(kind: str, example: Example) -> str:
 def _touches(kind: str) -> str:
     changed = touched(kind)
     unchanged = [_NAMES[name] for name in TOUCHABLE if name not in changed]
-    sentence = "It changes " + ", ".join(_NAMES[name] for name in changed)
-    return f"{sentence}; it does not change {', '.join(unchanged)}." if unchanged else f"{sentence}."
+    sentence = "The effect changes " + _listed([_NAMES[name] for name in changed])
+    return f"{sentence}; it does not change {_listed(unchanged)}." if unchanged else f"{sentence}."
+
+
+def _listed(terms: Sequence[str], conjunction: str = "and") -> str:
+    """Return terms as a list in words: "a, b and c"."""
+    *start, last = terms
+    return f"{', '.join(start)} {conjunction} {last}" if start else last
 
 
 def _added(kind: str, example: Example) -> Any:
@@ -145,27 +152,30 @@ def _physics(cls: type[Effect]) -> str:
 
 
 def _where(cls: type[Effect]) -> str:
-    at_dof = 'a drive point, `"1:+Y"`' if cls.at_drive else 'a DoF of the structure, `"7:+Y"`'
+    at_dof = '`"1:+Y"` (a drive point)' if cls.at_drive else '`"7:+Y"` (a DoF of the structure)'
     names = {
-        NoneType: "everywhere, `null`",
+        NoneType: "`null` (everywhere)",
         Dof: at_dof,
-        Members: 'members, `{"members": [3, 4]}`',
-        Channels: 'response channels, `{"channels": ["7:+Y"]}`',
+        Members: '`{"members": [3, 4]}` (members)',
+        Channels: '`{"channels": ["7:+Y"]}` (response channels)',
     }
-    places = "; ".join(names[place] for place in cls.allowed_places)
+    places = _listed([names[place] for place in cls.allowed_places], "or")
     owner = "the structure" if cls.structural else "the rig"
-    remark = "" if cls.suspected else " A diagnosis looks for it only when it is named among the suspects."
-    return f"`at` is {places}. It belongs to {owner}.{remark}"
+    remark = "" if cls.suspected else " A diagnosis looks for it only if the request names it in `suspects`."
+    return f"The place `at` is {places}. The effect belongs to {owner}.{remark}"
 
 
 def _declared(kind: str) -> str:
     cls, example = EFFECTS[kind], example_of(kind)
     effect = effect_body(kind) | {"parameters": cls(at=None).parameters | dict(example.parameters)}
-    body = "a rig's body, a structure's" if cls.structural else "a rig's body"
-    request = f"Among the `effects` of {body} or, hidden, of a measurement:\n\n{_json({'effects': [effect]})}"
+    owners = "a rig or of a structure" if cls.structural else "a rig"
+    request = (
+        f"By name, in `effects` of {owners}; in `effects` of a measurement it is hidden from a diagnosis:"
+        f"\n\n{_json({'effects': [effect]})}"
+    )
     if kind not in HARDWARE:
         return request
-    return f"By hardware, in the rig's body:\n\n{_json(HARDWARE[kind])}\n\n{request}"
+    return f"As hardware, in the request for a rig:\n\n{_json(HARDWARE[kind])}\n\n{request}"
 
 
 def _json(body: Any) -> str:

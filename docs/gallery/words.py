@@ -40,7 +40,8 @@ SIMILAR_EFFECTS: Mapping[str, str] = {
     "attached_oscillator": "`extra_mass` never splits a resonance. Far above its own frequency an "
     "oscillator acts as a `ground_spring`, far below it as an `extra_mass`: the band must contain its "
     "resonance.",
-    "cable_mass": "As `accelerometer_mass`, with an increase of damping.",
+    "cable_mass": "`accelerometer_mass` shifts frequencies in the same way, but does not increase the "
+    "damping.",
     "cancelled_mass": "The spectra alone do not distinguish it from an `exciter_armature` of the same mass.",
     "channel_delay": "`ac_coupling` changes the phase at low frequency, `polarity` by 180 degrees "
     "everywhere; the phase of a delay is a straight line through 0 Hz. Check: two sensors at the same "
@@ -53,8 +54,8 @@ SIMILAR_EFFECTS: Mapping[str, str] = {
     "`stiffness_error`; modal constants, and the mass line below the first mode, distinguish them.",
     "double_hit": "The force spectrum has ripples of constant spacing, one over the time between the "
     "blows. The dips of an `exciter_armature` are at resonances instead.",
-    "drift": "`accelerometer_mass` shifts FRFs according to the place of the sensor, drift according to "
-    "the order of the runs. Check: repeat the first run at the end.",
+    "drift": "`accelerometer_mass` shifts FRFs by an amount that depends on the place of the sensor; drift "
+    "shifts them by an amount that depends on the order of the runs. Check: repeat the first run at the end.",
     "exciter_armature": "The FRF does not change. `exciter_coil` broadens the dips of the force spectrum; "
     "`stinger_axial` adds a resonance above which the force is lost.",
     "exciter_coil": "`exciter_armature` alone leaves peaks beside the dips of the force spectrum; back-EMF "
@@ -64,8 +65,8 @@ SIMILAR_EFFECTS: Mapping[str, str] = {
     "extra_mass": "At the drive point it is equivalent to `force_transducer_mass`, at a fixed "
     "accelerometer to `accelerometer_mass`. Check: another drive point. `ground_spring` raises "
     "frequencies.",
-    "force_noise": "`response_noise` lowers the coherence at antiresonances, `force_noise` at resonances, "
-    "where the force is small. H2 is then correct, and H1 too small.",
+    "force_noise": "`response_noise` lowers the coherence at antiresonances, `force_noise` lowers it at "
+    "resonances, where the force is small. With `force_noise` H2 is correct and H1 is too small.",
     "force_transducer_mass": "`extra_mass` at the drive point is equivalent. Check: another drive point, "
     "or mass cancellation.",
     "force_transducer_stiffness": "It acts in series with `stinger_axial`: the spectra determine only the "
@@ -75,11 +76,11 @@ SIMILAR_EFFECTS: Mapping[str, str] = {
     "gain_error": "`density_error` and `stiffness_error` of equal size everywhere scale all FRFs, as a "
     "gain error of the force transducer does. No other FRF confirms the gain error of a single response.",
     "ground_spring": "`stiffness_error` does not affect rigid-body motion; a spring to the ground raises "
-    "the frequencies of rigid-body modes above 0 Hz, as `suspension`, with loss, does.",
+    "the frequencies of rigid-body modes above 0 Hz. `suspension` does the same, and also adds damping.",
     "joint_flexibility": "`stiffness_error` of a member beside the joint is similar in low modes. A joint "
     "does not change modes without bending there.",
-    "leakage": "`response_noise` lowers the coherence according to level only, leakage beside and at sharp "
-    "resonances. A longer record reduces leakage, but not noise.",
+    "leakage": "`response_noise` lowers the coherence wherever the response is small; leakage lowers it at "
+    "sharp resonances and beside them. A longer record reduces leakage, but not noise.",
     "local_damping": "`loss_factor_error` damps all modes, a local damper only those that move at its "
     "place. `friction` depends on the level.",
     "loss_factor_error": "`damping_law` changes damping according to frequency, `local_damping` according "
@@ -89,30 +90,30 @@ SIMILAR_EFFECTS: Mapping[str, str] = {
     "largest where shapes are steep; modes with a node at the channel become visible.",
     "mounted_resonance": "`gain_error` is independent of frequency; this error grows with the square of "
     "frequency.",
-    "overload": "Noise and `quantisation` also raise the floor of the spectra, but remain at lower levels; "
-    "clipping vanishes.",
+    "overload": "Noise and `quantisation` also raise the floor of the spectra. At a lower signal level they "
+    "remain, whereas clipping disappears.",
     "polarity": "`channel_delay` has a phase of 180 degrees at one frequency only. The imaginary part of "
     "the drive point FRF has a known sign.",
-    "quantisation": "As `response_noise` and `force_noise` together, in proportion to the range of the "
-    "converter: 6 dB less for each bit, and independent of the signal level.",
+    "quantisation": "The effect is that of `response_noise` and `force_noise` together. Its level is in "
+    "proportion to the range of the converter, 6 dB lower for each bit, and independent of the signal level.",
     "rattle": "The effect of `cubic_stiffness` grows gradually with the level; a gap has no effect up to a "
     "certain level.",
-    "response_noise": "The coherence falls at antiresonances; with `force_noise` at resonances. H1 stays "
-    "correct, H2 is too large.",
+    "response_noise": "`response_noise` lowers the coherence at antiresonances, `force_noise` lowers it at "
+    "resonances. With `response_noise` H1 is correct and H2 is too large.",
     "rotational_ground_spring": "`ground_spring` at the same node restrains modes that translate there, "
     "this effect those that rotate there.",
     "shear_and_rotary_inertia": "`stiffness_error` everywhere changes all frequencies by one factor; shear "
-    "lowers them by the square of the order.",
+    "lowers them in proportion to the square of the mode number.",
     "stiffness_error": "With `at: null` its effect on frequencies is the inverse of that of "
-    "`density_error`. In one member it follows the strain energy there; `ground_spring` also raises "
-    "rigid-body modes.",
+    "`density_error`. In one member its effect on a mode is in proportion to the strain energy "
+    "there; `ground_spring` also raises the frequencies of rigid-body modes.",
     "stinger_axial": "It acts in series with `force_transducer_stiffness`. `exciter_armature` alone has no "
     "resonance above which the force is lost.",
     "stinger_bending": "`rotational_ground_spring` or `ground_spring` at the drive point is equivalent. "
     "Check: another drive point.",
-    "stinger_mass": "As an `exciter_armature` of the same mass, for a rigid stinger below its own "
-    "resonances.",
-    "suspension": "`ground_spring` is the same without loss.",
+    "stinger_mass": "Below its own resonances, a rigid stinger has the same effect as an `exciter_armature` "
+    "of the same mass.",
+    "suspension": "`ground_spring` is the same spring without damping.",
     "swapped_channels": "Each of two FRFs agrees with the prediction of the other; all others agree with "
     "their own.",
     "transverse_sensitivity": "The error of `misplaced_accelerometer` follows the slope of the shape, this "

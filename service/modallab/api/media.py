@@ -16,7 +16,7 @@ CSV_TYPE = "text/csv"
 def accepts(headers: Headers, media_type: str, default: str) -> bool:
     """Return whether a caller names a content type and prefers it to the default one.
 
-    RFC 9110, 12.5.1. A wildcard does not count: what takes anything takes the default.
+    RFC 9110, 12.5.1. A wildcard does not count: a caller that accepts any type receives the default.
     """
     quality = dict(_quality(entry) for entry in headers.get("accept", "").split(",") if entry.strip())
     return quality.get(media_type, 0.0) > max(quality.get(default, 0.0), 0.0)

@@ -107,7 +107,7 @@ def response(problem: Mapping[str, Any]) -> JSONResponse:
 
 
 def of_job(error: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the problem document of a failed job, from what the book says of it."""
+    """Return the problem document of a failed job, from its error in the book of jobs."""
     status = _STATUS_BY_CODE.get(error["code"], 500)
     return document(status, error["code"], error["detail"], error["context"])
 

@@ -68,8 +68,8 @@ def stored_reply(
     name
         Component name in the OpenAPI document.
     leave_out
-        Fields that the reply does not have: parts that are stored under ids of their own, or that the entry
-        of the store or another route tells.
+        Fields that the reply does not have, because they are stored under their own ids, or are served in the
+        entry of the store or by another route.
     added
         Further fields, or other types of fields, as `name=(type, description)`.
     """

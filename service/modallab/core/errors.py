@@ -136,7 +136,7 @@ class UnderdeterminedError(ModalLabError):
 
 
 class DivergedError(ModalLabError):
-    """An iteration left the region where its equations hold."""
+    """An iteration diverged: it left the region where its equations hold."""
 
     code = "diverged"
 

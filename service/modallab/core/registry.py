@@ -55,7 +55,7 @@ class Family(Mapping[str, T]):
 
 
 def member(members: Mapping[str, T], name: str, noun: str, *, field: str) -> T:
-    """Return a member by name.
+    """Return the member of a family that has a certain name.
 
     Parameters
     ----------

@@ -33,9 +33,9 @@ def ecomac(first: ComplexArray, second: ComplexArray) -> FloatArray:
     """Return the enhanced coordinate criterion of every DoF, (n_dof,): 0 agrees, 1 is opposite throughout.
 
     `sum |phi_x - phi_a| / (2 n_pairs)` over paired modes, each shape brought to a largest entry of 1 and the
-    first to its partner's phase. It sees what CoMAC cannot: a turned sign. It weighs errors by how much
-    a DoF moves, so that noise near nodes counts little; a gain that is wrong where a shape is
-    largest shows at the other DoFs too.
+    first to its partner's phase. Unlike CoMAC it shows a reversed sign. Errors are weighted by the motion of
+    the DoF, so that noise near nodes has little influence; a wrong gain at the largest entry of a shape is
+    visible at the other DoFs, too.
 
     Parameters
     ----------

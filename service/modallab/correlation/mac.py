@@ -54,9 +54,9 @@ def pole_weighted_mac(
 ) -> FloatArray:
     """Return the pole-weighted MAC of every pair of modes, (n_first, n_second), 0 to 1.
 
-    The MAC of the long vectors [phi; z phi; ...; z^order phi]: alike are modes whose shapes AND poles are
-    alike, so that modes which too few DoFs show alike are told apart by their frequency. z = exp(s dt) with
-    the upper pole s of each mode, and dt such that the highest of all turns by half a circle.
+    The MAC of the long vectors [phi; z phi; ...; z^order phi]. It is high for modes whose shapes and poles
+    are both similar; modes whose shapes are similar at too few DoFs are distinguished by frequency. z = exp(s
+    dt) with the upper pole s of each mode, and dt such that the highest of all turns by half a circle.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def pole_weighted_mac(
     first_eigenvalues, second_eigenvalues
         (n_first,) and (n_second,) omega_r^2 (1 + i eta_r), rad^2/s^2.
     order
-        The higher, the finer poles are told apart; 0 is the plain MAC.
+        The higher the order, the closer the poles that are distinguished; 0 is the plain MAC.
 
     References
     ----------

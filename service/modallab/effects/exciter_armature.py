@@ -22,7 +22,7 @@ _TRIAL_MASSES = tuple(
 @EFFECTS.register("exciter_armature")
 @dataclass(frozen=True)
 class ExciterArmature(Effect):
-    """Inertia of the armature behind the force transducer, P = F + m a [5.2, 5.3].
+    """Inertia of the armature behind the force transducer, P = F + m a: 1992 thesis, equations 5.2, 5.3.
 
     The FRF a/F does not change; the force spectrum has a dip at every resonance.
     """

@@ -18,8 +18,8 @@ class ExciterSuspension(Effect):
     """Suspension of the armature in its frame, F_s = (k + i omega c) x_a, behind the force transducer.
 
     It is part of the impedance that the source drives, P = F + (k + i omega c - omega^2 m) x for a rigid
-    stinger: [5.2] of the 1992 thesis with the suspension, which the thesis neglects. The FRF does not
-    change.
+    stinger. This is equation 5.2 of the 1992 thesis with a suspension, which the thesis neglects. The FRF
+    does not change.
     """
 
     kind: ClassVar[str] = "exciter_suspension"

@@ -23,7 +23,7 @@ class ForceNoise(Effect):
     """White noise on the force signal; it makes H1 too small where the force has dips.
 
     H1 = H / (1 + r), r the ratio of noise to noise-free force spectrum at a line; coherence is 1 / (1 + r):
-    1992 thesis [5.6, 5.8].
+    1992 thesis, equations 5.6, 5.8.
     """
 
     kind: ClassVar[str] = "force_noise"

@@ -17,8 +17,8 @@ class Leakage(Effect):
     """Share of the source's power that is stationary random instead of periodic in the record.
 
     For pure random excitation it is 1; for an imperfectly periodic one it is between 0 and 1. The spectra
-    become G' = (1 - share) G + share G * W, a convolution with the line shape W of the window: 1992 thesis
-    [5.11].
+    become G' = (1 - share) G + share G * W, a convolution with the line shape W of the window: 1992 thesis,
+    equation 5.11.
     """
 
     kind: ClassVar[str] = "leakage"

@@ -21,10 +21,10 @@ from modallab.rig.setup import AcquisitionRun, RigSetup
 class LossFactorError(Effect):
     """Wrong loss factor: the stiffness-proportional damping of some members, or of all, is a multiple.
 
-    D_e = factor eta K_e, as the damping coefficients c_i of the 1992 thesis [6.2]; the part b K_e of viscous
-    damping is multiplied in the same way. The mass-proportional part (a of a M + b K) is not a material
-    property and does not change. Modal damping has no members: with the place null all its loss factors are
-    multiplied.
+    D_e = factor eta K_e, as the damping coefficients c_i of the 1992 thesis, equation 6.2; the part b K_e of
+    viscous damping is multiplied in the same way. The mass-proportional part (a of a M + b K) is not a
+    material property and does not change. Modal damping has no members: with the place null all its loss
+    factors are multiplied.
     """
 
     kind: ClassVar[str] = "loss_factor_error"

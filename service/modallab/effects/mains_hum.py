@@ -27,7 +27,7 @@ class MainsHum(Effect):
     The amplitudes are those of a square wave. Records are not synchronised with the mains, so that the
     phase is random in every record. In the mean the hum adds nothing to G_fx; to G_xx it adds the power P_k
     of harmonic k times the line shape of the window at its offset, G_xx' = G_xx + sum P_k (W(f - k f_m) +
-    W(f + k f_m)) over the line spacing, the limit of 1992 thesis eq. [5.11] for a sine. The anti-alias
+    W(f + k f_m)) over the line spacing, the limit of 1992 thesis, equation 5.11, for a sine. The anti-alias
     filter removes harmonics above the range.
     """
 

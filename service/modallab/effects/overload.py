@@ -26,13 +26,14 @@ from modallab.rig.setup import RigSetup
 class Overload(Effect):
     """Clipping by the converter, x' = min(max(x, -c), c), c = `level` times the rms of the channel.
 
-    With the place null force channels are clipped, too. The route `sampled` clips every sample. The
+    At the place `null` the force channels are clipped, too. The route `sampled` clips every sample. The
     expected spectra are those of Gaussian signals: a clipped signal is the signal times erf(level / sqrt 2)
     plus a distortion of known power (Bussgang 1952), whose spectrum comes from the odd powers of the
-    correlation up to order 11 (Price 1958); the small remainder is assigned to order 13. For signals that
-    are not Gaussian (sweeps, bursts, impacts) the expected spectra are a rough estimate, wrong by far if
-    the peak of a blow is clipped; a diagnosis does not suspect the effect there. Distortion is concentrated
-    in few peaks of a record: from level 2 on, sampled coherence scatters more than drawn coherence.
+    correlation up to order 11 (Price 1958). The power of all higher orders is small and is counted as
+    order 13. For signals that are not Gaussian (sweeps, bursts, impacts) the expected spectra are a rough
+    estimate, and far too small or too large if the peak of a blow is clipped; a diagnosis does not suspect
+    the effect in such tests. Distortion is concentrated in few peaks of a record: from level 2 on, the
+    coherence of the route `sampled` scatters more than that of the route `drawn`.
     """
 
     kind: ClassVar[str] = "overload"

@@ -23,13 +23,13 @@ from modallab.rig.setup import RigSetup
 class Quantisation(Effect):
     """Rounding of every sample to a whole number of steps q of the converter.
 
-    With the place null force channels are rounded, too. A converter of b bits and a full scale of +-R has q
-    = 2R / 2^b; the analyser declares its bits. The expected error is white noise of q^2/12 from 0 Hz to
-    half the sample rate, uncorrelated with any signal. Widrow, Kollar and Liu (1996), IEEE Trans.
-    Instrumentation and Measurement 45, 353-361: for Gaussian signals of standard deviation s the
-    correlation of error and signal is of the order of exp(-2 pi^2 s^2/q^2), 1e-8 at q = s and 1 % at q = 2
-    s. A signal that repeats in every record, such as a sweep without noise, has the same error in every
-    record; averaging does not reduce it.
+    At the place `null` the force channels are rounded, too. A converter of b bits and a full scale of +-R has
+    the step q = 2R / 2^b; b is `bits` of the analyser. The expected error is white noise of q^2/12 from 0 Hz
+    to half the sample rate, uncorrelated with any signal. Widrow, Kollar and Liu (1996), IEEE Trans.
+    Instrumentation and Measurement 45, 353-361: for Gaussian signals of standard deviation s the correlation
+    of error and signal is of the order of exp(-2 pi^2 s^2/q^2), 1e-8 at q = s and 1 % at q = 2 s. A signal
+    that repeats in every record, such as a sweep without noise, has the same error in every record; averaging
+    does not reduce it.
     """
 
     kind: ClassVar[str] = "quantisation"

@@ -21,7 +21,7 @@ class ResponseNoise(Effect):
     """White noise on every response signal; it lowers the coherence at antiresonances.
 
     H2 = H (1 + r), r the ratio of noise to noise-free response spectrum at a line; coherence is 1 / (1 +
-    r), and H1 stays correct: 1992 thesis [5.7, 5.8].
+    r), and H1 stays correct: 1992 thesis, equations 5.7, 5.8.
     """
 
     kind: ClassVar[str] = "response_noise"

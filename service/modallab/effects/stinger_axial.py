@@ -19,9 +19,9 @@ from modallab.rig.setup import RigSetup
 class StingerAxial(Effect):
     """Axial flexibility of the stinger between armature and force transducer, x_a = x + F/k.
 
-    F = P/(1 + Z_a (1/k + alpha)). With the drive point at rest the armature resonates at sqrt(k/m_a)/(2
-    pi): 1992 thesis [D.4], k = EA/L of a rod [D.5]. Above this frequency the force decreases; the FRF does
-    not change. The upper bound of the stiffness stands for a rigid stinger.
+    F = P/(1 + Z_a (1/k + alpha)). With the drive point at rest the armature resonates at sqrt(k/m_a)/(2 pi):
+    1992 thesis, equation D.4; k = EA/L of a rod, equation D.5. Above this frequency the force decreases; the
+    FRF does not change. The upper bound of the stiffness stands for a rigid stinger.
     """
 
     kind: ClassVar[str] = "stinger_axial"

@@ -46,9 +46,9 @@ def clipped_spectra(
 ) -> CrossSpectra:
     """Return the spectra of Gaussian signals clipped at +-level.
 
-    Each spectrum times its gains, and the distortion: of the correlation rho of two signals Hermite
-    order n leaves rho^n; Price (1958), IRE Trans. Information Theory 4, 69-72. Correlations are
-    those of the samples, so that what would lie above half the sample rate folds back.
+    Each spectrum times its gains, and the distortion: of the correlation rho of two signals Hermite order n
+    leaves rho^n; Price (1958), IRE Trans. Information Theory 4, 69-72. Correlations are those of the samples,
+    so that power above half the sample rate is aliased.
 
     Parameters
     ----------

@@ -149,7 +149,7 @@ class IncoherentShares:
 def white_noises(incoherent: FloatArray, gain: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return white noise of the forces (n_in,) and of the responses (n_out,) that add up to incoherent power.
 
-    Least squares of relative differences, none below 0; lines with more than both are left out, as in
+    Least squares of relative differences with bounds at 0; lines with more than both are left out, as in
     `ForceChannelNoise`.
 
     Parameters

@@ -1,4 +1,4 @@
-"""Correlation of the random errors of neighbouring lines, as the window of the records makes it."""
+"""Correlation of the random errors of neighbouring lines, caused by the window of the records."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -15,11 +15,11 @@ from modallab.estimation.windows import WINDOWS, Window
 
 @dataclass(frozen=True)
 class ErrorCorrelation:
-    """Correlation of the errors of lines, from the power of the noise over the record.
+    """Correlation of the random errors of frequency lines, from the power of the noise over a record.
 
-    Of noise in one channel it is the transform of the squared window, and its square where the force is as
-    random as the noise: an error is then a product of both. An exponential window begins before the blow,
-    which is time zero of an FRF.
+    For noise in one channel the correlation is the Fourier transform of the squared window. If the force is
+    as random as the noise, an error is a product of both, and the correlation is the squared magnitude of
+    that transform. An exponential window begins before the blow, which is time zero of an FRF.
     """
 
     window: Window
@@ -35,7 +35,7 @@ class ErrorCorrelation:
         return self.window.end < 1
 
     def by_separation(self, n: int) -> ComplexArray:
-        """Return the correlation of a line's error with those of the n - 1 lines below it, (n,), 1 first."""
+        """Return the correlation of the errors of two lines that are 0 to n - 1 lines apart, (n,)."""
         separation = np.arange(n)
         power = self.window.samples(max(SPECTRUM.window_samples, 2 * n)) ** 2
         correlation = np.fft.fft(power)[:n] / power.sum() * np.exp(2j * np.pi * separation * self.delay)
@@ -47,7 +47,7 @@ class ErrorCorrelation:
         return self.between(line[:, None] - line)
 
     def between(self, separation: IntArray) -> ComplexArray:
-        """Return the correlation of lines that are so many lines apart, of the shape of `separation`.
+        """Return the correlation of the errors of two lines, in the shape of `separation`.
 
         Parameters
         ----------
@@ -58,9 +58,9 @@ class ErrorCorrelation:
         return np.asarray(np.where(separation >= 0, correlation, correlation.conj()))
 
     def power(self, n: int) -> FloatArray:
-        """Return the power of the errors at n instants of a record, from the force on, (n,) of sum 1.
+        """Return the power of the errors at n instants of a record from the force on, (n,) of sum 1.
 
-        Its transform is the correlation by separation.
+        The Fourier transform of this power is the correlation by separation.
         """
         power = self.window.samples(n) ** 2
         power = np.roll(power / power.sum(), -round(self.delay * n))
@@ -76,7 +76,7 @@ class ErrorCorrelation:
 def likeliest_correlation(
     complement: ComplexArray, residual: ComplexArray, window: Window | None
 ) -> ErrorCorrelation:
-    """Return the correlation under which residuals of smooth fits are most likely, of some usual ones.
+    """Return the usual correlation under which the residuals of smooth fits are most likely.
 
     Parameters
     ----------
@@ -93,7 +93,7 @@ def likeliest_correlation(
 def refined_correlation(
     complement: ComplexArray, residual: ComplexArray, start: ErrorCorrelation
 ) -> tuple[ErrorCorrelation, ErrorCorrelation]:
-    """Return the exponential window of largest likelihood, and the one a standard error beside it.
+    """Return the exponential window of largest likelihood, and one whose decay is a standard error off.
 
     Parameters
     ----------
@@ -138,9 +138,9 @@ def _thinned(complement: ComplexArray, residual: ComplexArray) -> tuple[ComplexA
 def _negative_likelihood(
     complement: ComplexArray, residual: ComplexArray, correlation: ErrorCorrelation
 ) -> float:
-    """Return minus the mean log-likelihood of a fit, each fit with a variance of its own.
+    """Return minus the mean log-likelihood of a fit, each fit with its own variance.
 
-    That bounds what a fit counts whose model does not hold.
+    The separate variances limit the weight of fits whose model does not hold.
     """
     n_lines, n_spare = complement.shape[1:]
     of_lines = correlation.matrix(n_lines) + SUM_ROUNDING * np.eye(n_lines)

@@ -49,11 +49,11 @@ class _Stretches:
 def estimated_averages(
     values: ComplexArray, coherence: FloatArray, window: Window | None
 ) -> AveragesEstimate | None:
-    """Return the effective number of averages of a coherence; None if it is 1: there is no random error.
+    """Return the effective number of averages of a coherence; None if it is 1, without random error.
 
-    Given the forces of n averages H1 scatters by the noise of the response over n G_ff, and the incoherent
-    power is on average (n - 1)/n of that noise (Goodman 1963): the scatter of neighbouring lines is
-    |H|^2 (1 - g2)/(g2 (n - 1)), with g2 the estimated coherence, and tells n.
+    For given forces the variance of H1 over n averages is the noise of the response over n G_ff, and the
+    incoherent power is on average (n - 1)/n of that noise (Goodman 1963). The variance of neighbouring lines
+    is therefore |H|^2 (1 - g2)/(g2 (n - 1)), with the estimated coherence g2, from which n follows.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def estimated_averages(
     Raises
     ------
     InvalidInputError
-        If there are too few lines to tell it.
+        If the lines are too few for an estimate.
     """
     known = (coherence > LINE_SCATTER.min_coherence) & (np.abs(values) > 0)
     relative = np.where(known, (1 - coherence) / np.maximum(coherence, LINE_SCATTER.min_coherence), 0.0)
@@ -89,9 +89,10 @@ def estimated_averages(
 
 
 def estimated_error(values: ComplexArray, window: Window | None) -> tuple[Estimate, ...] | None:
-    """Return the random error of each FRF, (n_frf,) over the median of its magnitude; None if not told.
+    """Return the random error of each FRF over its median magnitude, (n_frf,); None if unknown.
 
-    The standard deviation of the real part, which is the relative error of the magnitude, at the median line.
+    It is the standard deviation of the real part, which is the relative error of the magnitude, at the median
+    line.
     """
     stretches = _stretches(values, np.ones(values.shape))
     sizes = np.median(np.abs(values), axis=0)

@@ -10,11 +10,11 @@ from modallab.estimation.spectra import CrossSpectra
 def partial_coherence(
     values: ComplexArray, multiple: FloatArray, forces: ComplexArray | None = None
 ) -> FloatArray:
-    """Return the coherence of each response with each force, less what the other forces explain of both.
+    """Return the partial coherence of each response with each force, without the parts due to other forces.
 
     The incoherent part of a response is noise for each of its FRFs: its spectrum is (1 - g2)/g2 times the
-    coherent one, H* G_ff H^T of the row H of its FRFs. Of the force k only the part counts that the other
-    forces do not explain, 1/(G_ff^-1)_kk, so that
+    coherent one, H* G_ff H^T of the row H of its FRFs. Of force k only the part that is incoherent with the
+    other forces counts, 1/(G_ff^-1)_kk, so that
 
         (1 - g2_k)/g2_k = (1 - g2)/g2 . (H* G_ff H^T) (G_ff^-1)_kk / |H_k|^2
 
@@ -71,9 +71,9 @@ def coherence_of_frfs(spectra: CrossSpectra, h: ComplexArray, multiple: FloatArr
 
 
 def conditioned_variance(forces: ComplexArray) -> FloatArray:
-    """Return (G_ff^-1)_kk, (.., n_in), one over the spectrum of each force less what the others explain.
+    """Return (G_ff^-1)_kk, (.., n_in): one over the conditioned spectrum of each force, without the others.
 
-    Infinite of a force that is 0, or that follows from the others.
+    It is infinite for a force that is 0 or a linear combination of the others.
 
     Parameters
     ----------

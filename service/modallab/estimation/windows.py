@@ -104,13 +104,13 @@ class Window:
     def envelope(self, offset: FloatArray, n: int | None = None) -> FloatArray:
         """Return `line_shape(offset, n) / sin(pi offset)^2`: smooth but for its poles.
 
-        In continuous time a rational function of the offset y; of records of n samples the same one of
-        s = sin(pi y/n), times 1 - s^2, and what the window has at its first sample.
+        In continuous time it is a rational function of the offset y. For records of n samples it is the same
+        function of s = sin(pi y/n) times 1 - s^2, plus a term from the first sample of the window.
 
         Parameters
         ----------
         offset
-            In lines, none of them whole: there the poles are, out to the number of cosines.
+            In lines, no whole numbers: the poles are at whole numbers up to the number of cosines.
         """
         place = offset if n is None else np.sin(np.pi / n * offset)
         poles = np.arange(len(self.coefficients), dtype=float)

@@ -21,11 +21,11 @@ class MethodChoice:
 
 
 def default_method(n_references: int, options: ExtractionOptions | None) -> MethodChoice:
-    """Return the method for FRFs of so many references.
+    """Return the default method for a number of references.
 
-    Several references tell modes apart whose peaks overlap, if their FRFs are fitted together with one shape
-    and its participation factors. FRFs of one reference are fitted one by one, which shows where their
-    frequencies differ.
+    With several references, modes whose peaks overlap can be separated: their FRFs are fitted together with
+    one shape and its participation factors. FRFs of a single reference are fitted separately, which shows
+    where their frequencies differ.
 
     Parameters
     ----------

@@ -52,7 +52,7 @@ class Attachment:
     def dynamic_stiffness(self, omega: FloatArray) -> ComplexArray:
         """Return Z, (n_freq, r, r), N/m, at `omega` (n_freq,) rad/s.
 
-        Cached by frequency axis, which all runs of a test share.
+        The result is cached for each frequency axis; all runs of a test have the same axis.
         """
         if len(omega) * self.columns.shape[1] ** 2 > CACHE.dynamic_stiffness_values:
             return self._stiffness(omega)

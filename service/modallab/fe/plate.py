@@ -48,7 +48,8 @@ def plate(
 ) -> Structure:
     """Return a rectangular plate in X, Y with DoFs Z, RX and RY.
 
-    Nodes are numbered row by row, along X from 0, 0; so are the elements, each between four nodes.
+    Nodes are numbered row by row along X, beginning at the corner x = y = 0. Elements, each between four
+    nodes, are numbered in the same way.
 
     Parameters
     ----------

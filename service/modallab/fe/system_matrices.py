@@ -129,7 +129,7 @@ class SystemMatrices:
         return self.cache.compute(MODAL_DAMPING, modal, make)
 
     def lowest_undamped_modes(self, count: int) -> ModalBasis:
-        """Return `count` or more of the lowest elastic modes of the matrices, undamped, or all."""
+        """Return at least the `count` lowest undamped elastic modes, or all if there are fewer."""
         basis = self.cache.get(UNDAMPED_MODES)
         if basis is not None and len(basis.eigenvalues) - basis.n_rigid_body >= count:
             return basis

@@ -26,7 +26,7 @@ _COMPATIBLE = (("values",), ("real", "imag"), ("magnitude", "phase"))
 
 
 def roles_of(table: Table, options: ReadingOptions) -> tuple[Roles, tuple[Assumption, ...]]:
-    """Return the columns of each role, and what of it names and numbers had to tell.
+    """Return the columns of each role, and the roles that were assumed from names or numbers.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def _index(name: str | int, table: Table) -> int:
 
 
 def _by_name(names: Sequence[str], table: Table) -> Roles:
-    """Return the roles that the names of columns tell."""
+    """Return the roles that follow from the names of columns."""
     roles: Roles = {}
     for index, name in enumerate(names):
         words = name.lower()
@@ -96,7 +96,7 @@ def _by_name(names: Sequence[str], table: Table) -> Roles:
 
 
 def _by_numbers(table: Table) -> Roles | None:
-    """Return the roles that the numbers tell: a rising first column, then pairs of one form; else None."""
+    """Return the roles of a rising first column and of pairs of one form after it; None without them."""
     columns = table.columns
     n_columns = columns.shape[1]
     axis = columns[:, 0]

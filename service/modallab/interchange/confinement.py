@@ -61,7 +61,7 @@ def read_confined(
     content: Content = Content.FRFS,
     check: Callable[[bytes], object] = format_of,
 ) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
-    """Return what files hold, read by another process: as JSON, and arrays by name.
+    """Return the content of files, read by another process, as JSON and as arrays by name.
 
     Parameters
     ----------

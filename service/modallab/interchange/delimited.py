@@ -103,7 +103,7 @@ def _dialect(lines: Sequence[str]) -> tuple[_Dialect, int]:
 
 
 def _first_run(lines: Sequence[str], dialect: _Dialect) -> tuple[int, int] | None:
-    """Return start and length, as far as is looked, of the first two rows or more with equal columns."""
+    """Return start and length of the first rows with equal columns, two or more; few lines are examined."""
     begin, n_columns = 0, 0
     for index, line in enumerate(lines[: TABLE.max_header_lines]):
         count = len(dialect.fields(line)) if dialect.is_row(line) else 0
@@ -116,7 +116,7 @@ def _first_run(lines: Sequence[str], dialect: _Dialect) -> tuple[int, int] | Non
 
 
 def _length(lines: Sequence[str], dialect: _Dialect, n_columns: int) -> int:
-    """Return the rows, of those looked at, that follow."""
+    """Return the number of rows that follow; few lines are examined."""
     looked = lines[: TABLE.rows_looked_at]
     return sum(dialect.is_row(line) and len(dialect.fields(line)) == n_columns for line in looked)
 

@@ -27,7 +27,7 @@ class EstimatedAverages:
     correlation: ErrorCorrelation | None = None
     """Correlation of the errors of neighbouring lines; None if there is no random error."""
     standard_error: float | None = None
-    """1, of the value; None where nothing tells it."""
+    """1, of the value; None if unknown."""
 
 
 def averages_of(content: FileContent, window: Window | None) -> EstimatedAverages:

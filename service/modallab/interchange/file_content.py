@@ -73,7 +73,7 @@ class FileContent:
         return len(self.frf.inputs) > 1 and any(array is not None and array.ndim == 2 for array in arrays)
 
     def with_tidy_coherence(self) -> "FileContent":
-        """Return the content with coherence of at most 1 but for rounding, and without one of zeros only."""
+        """Return the content with coherence rounded down to 1, and without a coherence of zeros only."""
         coherence = self.coherence
         if coherence is None:
             return self
@@ -90,7 +90,7 @@ class FileContent:
         response, force
             SI units of the number 1 in the file.
         kind
-            Kind of the FRFs that their unit tells; None where it tells none.
+            Kind of the FRFs that follows from their unit; None if none follows.
 
         Raises
         ------
@@ -139,7 +139,7 @@ class FileContent:
 
 
 def fields_from(tree: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> dict[str, Any]:
-    """Return the fields of a `FileContent` from what its `as_json` and `as_arrays` gave."""
+    """Return the fields of a `FileContent` from the results of its `as_json` and `as_arrays`."""
     outputs, inputs = (tuple(map(Dof.parse, tree[name])) for name in ("outputs", "inputs"))
     return {
         "frf": FrfSet(arrays["freq"], arrays["values"], outputs, inputs, FrfKind(tree["kind"])),
@@ -152,7 +152,7 @@ def fields_from(tree: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> 
 
 
 def same_axis(freq: FloatArray, reference: FloatArray, error: float) -> bool:
-    """Return whether two axes are the same but for rounding, relative to the last frequency."""
+    """Return whether two axes differ by no more than `error`, relative to the last frequency."""
     return len(freq) == len(reference) and np.allclose(
         freq, reference, rtol=error, atol=error * float(reference[-1]) / max(len(reference), 1)
     )

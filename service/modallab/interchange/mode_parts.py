@@ -26,7 +26,7 @@ def mode_parts(model: ModalModel) -> tuple[dict[str, Any], dict[str, Any]]:
 
 
 def modes_from(about: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> ModalModel:
-    """Return the modal model of what `mode_parts` gave."""
+    """Return the modal model from the results of `mode_parts`."""
     rows = zip(
         arrays["frequencies"].tolist(), arrays["loss_factors"].tolist(), arrays["shapes"].T, strict=True
     )

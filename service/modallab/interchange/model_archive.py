@@ -93,7 +93,7 @@ def _table(content: bytes) -> tuple[Dof, ...]:
 
 
 def _matrices(content: bytes, path: str, n: int) -> dict[str, csc_array]:
-    """Return the mass and stiffness matrices of a file; the file's name or the matrices' names tell which."""
+    """Return the mass and stiffness matrices of a file, by the name of the file or of the matrices."""
     stem = PurePosixPath(path).stem
     if path.endswith(MARKET):
         # other matrices are ignored

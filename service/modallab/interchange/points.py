@@ -107,8 +107,8 @@ def ends_of_frfs(
 ) -> tuple[list[tuple[Dof, Dof]], tuple[Assumption, ...]]:
     """Return response and force of each FRF of a file that has only labels.
 
-    What `outputs` and `inputs` state comes first, then the DoFs in a label, then those in the file's name;
-    else points are numbered.
+    `outputs` and `inputs` take precedence over the DoFs in a label, and these over the DoFs in the file's
+    name; without any, points are numbered.
 
     Parameters
     ----------

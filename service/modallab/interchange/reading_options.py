@@ -1,4 +1,4 @@
-"""Options of reading FRFs from files: what a file does not say, or says in its own words."""
+"""Options of reading FRFs from files: facts that a file does not contain or states in its own words."""
 
 import math
 from collections.abc import Mapping
@@ -42,14 +42,14 @@ ColumnName = str | int
 
 @dataclass(frozen=True)
 class ReadingOptions:
-    """What the files of a test do not say, or say in their own words; empty where they say it."""
+    """Facts that the files of a test do not contain, or state in their own words; empty if they are clear."""
 
     unit: str = ""
     """Unit of the FRFs in the file: `g/N`, `(m/s^2)/lbf`, `mm/s/N`."""
     scale: float | Mapping[str, float] = 1.0
     """Factor of the FRFs, or factors of `response` and `force`, to `unit`, or else to SI."""
     kind: FrfKind | None = None
-    """Kind of the FRFs, where neither the file nor `unit` tells it."""
+    """Kind of the FRFs, if neither the file nor `unit` states it."""
     map: Mapping[str, str] = field(default_factory=dict)
     """DoFs, or nodes, of the names of points in the file: `{"wing_tip": "12:+Z"}`."""
     outputs: tuple[str, ...] = ()

@@ -42,8 +42,8 @@ _LABELS = {FrfKind.RECEPTANCE: "m", FrfKind.MOBILITY: "m/s", FrfKind.INERTANCE: 
 def write(measurement: "Measurement", origin: Origin = NOWHERE) -> bytes:
     """Return FRFs, coherence and auto spectra as a universal file.
 
-    Header (151) and SI units (164) come first. Each function is a dataset 58, binary, double
-    precision. What one run of the analyser measured shares a version number.
+    Header (151) and SI units (164) come first. Each function is a dataset 58, binary, double precision.
+    Functions of one run of the analyser have the same version number.
     """
     inputs, force = measurement.frf.inputs, measurement.force_spectrum
     roved = measurement.setup.exciter.kind == "hammer" and len(inputs) > 1
@@ -87,10 +87,10 @@ def _auto(
 def read(payload: bytes, *, largest: int, options: ReadingOptions = NO_OPTIONS) -> FileContent:
     """Return the measured FRFs of a universal file.
 
-    FRFs of one kind are needed, in any order, one of each response and reference; coherence and
-    auto spectra per Hz are taken where they belong to every FRF, else the notes say what was left
-    out. Other datasets pass by, except units (164), by which the values are converted to SI, and
-    the header (151), whose program the notes name.
+    FRFs of one kind are needed, in any order, one of each response and reference; coherence and auto spectra
+    per Hz are read if every FRF has them, else the notes name what was omitted. Of other datasets only two
+    are used: units (164), by which the values are converted to SI, and the header (151), whose program the
+    notes name.
 
     Parameters
     ----------

@@ -43,7 +43,7 @@ _PAIRS = (("real", "imag"), ("magnitude", "phase"))
 def roles_of(
     arrays: Mapping[str, NDArray[Any]], options: ReadingOptions
 ) -> tuple[dict[str, str], tuple[Assumption, ...]]:
-    """Return the variable of each role, and what of it names and shapes had to tell.
+    """Return the variable of each role, and the roles that were assumed from names or shapes.
 
     The stated variables come first, then names that are roles, then usual names, then shapes: the one rising
     real vector is the axis, the one complex array with an axis of its length the FRFs.
@@ -80,7 +80,7 @@ def _has_values(roles: Iterable[str]) -> bool:
 
 
 def _by_name(arrays: Mapping[str, NDArray[Any]], roles: dict[str, str]) -> list[str]:
-    """Add the roles that usual names tell; return roles that several names have."""
+    """Add the roles that follow from usual names; return roles that several names have."""
     unclear = []
     for role, names in _NAMES.items():
         redundant = role in ("real", "imag", "magnitude", "phase") and "values" in roles
@@ -99,7 +99,7 @@ def _last(name: str) -> str:
 
 
 def _by_shape(arrays: Mapping[str, NDArray[Any]], roles: dict[str, str]) -> list[str]:
-    """Add the roles that shapes tell; return those that several variables may have."""
+    """Add the roles that follow from shapes; return those that several variables may have."""
     unclear = []
     free = {name: array for name, array in arrays.items() if name not in roles.values()}
     if "freq" not in roles:

@@ -67,7 +67,7 @@ def _single(arrays: Arrays, name: str) -> float:
 def kind_of(
     arrays: Mapping[str, NDArray[Any]], names: Mapping[str, str], options: ReadingOptions
 ) -> tuple[FrfKind, tuple[Assumption, ...]]:
-    """Return the kind of the FRFs, and what of kind and unit is assumed.
+    """Return the kind of the FRFs, with the assumptions on kind and unit.
 
     The file's `kind` comes first, then the stated unit or kind, then the name of the variable.
     """
@@ -83,7 +83,7 @@ def kind_of(
 
 
 def stated_kind(options: ReadingOptions, label: str) -> tuple[FrfKind, tuple[Assumption, ...]]:
-    """Return the kind that options or a label tell, and what of kind and unit is assumed."""
+    """Return the kind that options or a label state, with the assumptions on kind and unit."""
     if options.frf_unit is not None:
         return options.frf_unit.kind, ()
     words = label.lower()

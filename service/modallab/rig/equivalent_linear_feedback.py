@@ -13,15 +13,16 @@ def with_equivalent_feedback(
 ) -> tuple[ChannelResponse, ChannelResponse]:
     """Return the responses to sources and residuals with the feedback loops closed.
 
-    A line may differ from frequency to frequency, as no spring or damper of a structure does: what moves
-    at the forces is x = (I + beta Z)^-1 x_0, and every channel loses what -Z x does to it.
+    The feedback Z is a dynamic stiffness that may change from line to line in any way, unlike that of a
+    spring or a damper. Without feedback the displacement at the nonlinear forces is x_0; with the receptance
+    beta there it becomes x = (I + beta Z)^-1 x_0. The force -Z x then acts on every channel.
 
     Parameters
     ----------
     driven, distorted
-        `chain.answers(freq)`.
+        Responses of `chain.answers(freq)`: to the sources, and to unit forces at the nonlinear elements.
     feedback
-        (n_run, n_freq, r) N/m.
+        Z, (n_run, n_freq, r) N/m, one value for each nonlinear force.
     """
     beta = distorted.local_displacement
     loop_matrix = np.eye(beta.shape[-1]) + beta * feedback[..., None, :]

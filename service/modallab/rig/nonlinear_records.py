@@ -162,7 +162,7 @@ def modal_feedbacks(runs: Sequence[Run]) -> list[ModalFeedback]:
     Raises
     ------
     DivergedError
-        If steps in time are known not to follow them.
+        If time integration is known not to follow these forces.
     """
     feedbacks = [
         ModalFeedback.of(
@@ -176,7 +176,7 @@ def modal_feedbacks(runs: Sequence[Run]) -> list[ModalFeedback]:
 
 
 def lead_in_records(run: Run, analyser: Analyser) -> int:
-    """Return the lead-in, in records, after which the initial transient has decayed."""
+    """Return the number of records of the lead-in, after which the initial transient has decayed."""
     frequencies, widths = run.resonances(analyser.frequency_max)
     slowest = widths[frequencies < analyser.frequency_max].min(initial=np.inf)
     decay_records = (

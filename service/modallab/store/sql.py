@@ -1,4 +1,4 @@
-"""The store over SQLAlchemy and array files."""
+"""Store of objects in an SQL database and in array files."""
 
 import secrets
 from collections.abc import Callable, Iterator, Mapping

@@ -33,6 +33,6 @@ def method_options(method: str) -> Mapping[str, OptionSpec]:
 
 
 def parts_of(method: str) -> tuple[Part, ...]:
-    """Return the parts that a method corrects where none are named, none of a direct method."""
+    """Return the parts that a method corrects by default; empty for a direct method."""
     registered = method_called(method)
     return () if isinstance(registered, RegisteredDirectMethod) else registered.parts

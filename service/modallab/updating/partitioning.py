@@ -71,7 +71,7 @@ def partitioned(structure: Structure, count: int | None = None) -> Groups:
 
 
 def named_groups(structure: Structure, groups: Iterable[str | Sequence[int]]) -> list[Sequence[int]]:
-    """Return groups by member numbers, some of which are given by their names in the structure.
+    """Return groups as member numbers; a group may be given by its name in the structure.
 
     Raises
     ------

@@ -48,7 +48,7 @@ def sample(
     Parameters
     ----------
     n_draws
-        At least so many are kept, of all chains together.
+        Least number of draws of all chains together.
     seed
         Of the random numbers: the same seed gives the same sample.
 

@@ -23,7 +23,7 @@ class AddedMassIn(Wire):
 
 
 class ChangedIn(Wire):
-    """What was changed against the first test; what is left out is the same."""
+    """Changes against the first test; a field that is left out is unchanged."""
 
     level_factor: Number | None = None
     """1, rms of the source over that of the first test"""
@@ -58,7 +58,7 @@ class ChangedIn(Wire):
 
 
 class FollowUpIn(Wire):
-    """A further test. Its log book counts; where that does not show what was changed, `changed` does."""
+    """Further test. `changed` states the changes against the first test that its log book does not show."""
 
     measurement_id: Id
     """measurement of the further test"""

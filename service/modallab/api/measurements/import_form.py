@@ -1,4 +1,4 @@
-"""Form of an import: the files of a test, and what they do not say."""
+"""Form of an import: the files of a test, and the facts that they do not contain."""
 
 from dataclasses import dataclass
 from typing import Annotated, Any, TypeVar
@@ -40,11 +40,11 @@ class ImportForm:
     """Fields of an import beside its files."""
 
     rig_id: str | None
-    """Rig of the test; None: as the files tell, and as declared."""
+    """Rig of the test; None: it follows from the files and the declared facts."""
     options: ReadingOptions
     """What the files do not say."""
     declared: DeclaredTest
-    """What is known of the test beside its files."""
+    """Facts of the test that are declared beside its files."""
 
 
 def import_form(

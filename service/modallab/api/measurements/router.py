@@ -83,7 +83,7 @@ def import_measurement(
     """Return a measurement from files of FRFs; their content determines the format.
 
     Formats: universal file (dataset 58), npz, HDF5, MATLAB, delimited text, FRF text, and a zip of several
-    files of one test. What the files do not say, and nobody declares, is listed in `assumed`.
+    files of one test. Facts that are neither in the files nor declared are assumed, and listed in `assumed`.
     """
     rig_id = form.rig_id
     measurement = read_measurement(

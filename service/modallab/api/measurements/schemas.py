@@ -19,7 +19,7 @@ MeasurementOptionsBody: Any = body_of(MeasurementOptions, enforced=True, effects
 
 
 class MeasurementStart(MeasurementOptionsBody):  # type: ignore[misc]
-    """A virtual test. `effects` act beside what the rig declares, and show in no log book."""
+    """A virtual test. `effects` act in addition to those that the rig declares, and are in no log book."""
 
     model_config = ConfigDict(use_attribute_docstrings=True)
 

@@ -1,4 +1,4 @@
-"""What is drawn of an extraction: one fit, the stabilisation chart, FRFs made of modes."""
+"""Data for plots of an extraction: one fit, the stabilisation chart, resynthesised FRFs."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any

@@ -16,7 +16,7 @@ _Frequency = Annotated[Number, Limits(0.0, 1e6)]
 
 
 class ExcitationIn(Wire):
-    """The signal of the source, its level in N rms over its band; what a burst or a hammer is like."""
+    """Signal of the source, its level in N rms over its band, and parameters of a burst or a hammer."""
 
     kind: ExcitationKind = _DEFAULT.excitation.kind
     """kind of signal; left out: periodic_random, or impact for a hammer"""

@@ -71,7 +71,7 @@ class ModalIn(Wire):
 
 
 class UnknownIn(Wire):
-    """Damping of which nothing is known."""
+    """Unknown damping."""
 
     law: Literal["unknown"]
     """`unknown`: 0.01 of every mode, where a number is needed; free, mode by mode, in a diagnosis"""

@@ -1,4 +1,4 @@
-"""The exact FRFs of a structure, at once: what was asked for, and how much of it."""
+"""Request for the exact FRFs of a structure, with limits on its size."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any

@@ -68,7 +68,7 @@ class HeldIn(Wire):
 
 
 class MeshIn(Wire):
-    """What a mesh does not say, by the names of its groups."""
+    """Properties that a mesh file does not contain, by the names of its groups."""
 
     groups: Annotated[dict[Text, BarsIn | PlatesIn], NamedByPattern()] = Field(
         min_length=1, max_length=REQUEST.mesh_groups

@@ -1,4 +1,4 @@
-"""Wire types of what an update may move."""
+"""Wire types of the parameters that an update may change."""
 
 from typing import Annotated, Literal
 
@@ -27,7 +27,7 @@ Group = Annotated[list[Count], Field(min_length=1, max_length=5000)] | Text  # n
 
 
 class GroupsIn(Wire):
-    """Macro elements by what members are: named groups, and sections or thicknesses with a material."""
+    """Macro elements by properties of members: named groups, and sections or thicknesses with a material."""
 
     by: Literal["groups"]
     """`groups`: one macro element for each group"""
@@ -65,8 +65,8 @@ NodeGroups = Annotated[
 class ParameterisationIn(Wire):
     """Which coefficients may move: members in groups, parts of their matrices, bounds; 1 = no change.
 
-    Properties, as a thickness, are multiples of what the model has.
-    A coefficient of damping is the loss factor added to a member's own: 0 = no change, bounds -1 and 2.
+    The coefficient of a property, such as a thickness, is a multiple of its value in the model. A coefficient
+    of damping is the loss factor added to a member's own: 0 = no change, bounds -1 and 2.
     """
 
     macros: Macros = Field(

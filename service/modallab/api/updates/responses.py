@@ -9,12 +9,12 @@ from modallab.rig.measurement import Measurement
 def check_responses(
     structure: Structure, measurement: Measurement, noise_floor: float | None, lines: LineOptions
 ) -> None:
-    """Raise unless a model may be held against the FRFs of a measurement.
+    """Raise unless the FRFs of a model can be compared with those of a measurement.
 
     Raises
     ------
     InvalidInputError
-        If neither coherence nor a noise floor tells their random errors, or a band has no lines.
+        If neither coherence nor a noise floor gives their random errors, or a band has no lines.
     UnknownDofError
         If the structure lacks a measured DoF.
     """

@@ -1,4 +1,4 @@
-"""Statements in plain English on where the gap lies."""
+"""Statements in plain English on where measurement and prediction differ."""
 
 import math
 from collections.abc import Mapping
@@ -38,7 +38,7 @@ PATTERNS = {
         "the FRFs depend on the force level, by {level:.1f} random errors: structure or rig is nonlinear"
     ),
 }
-# With a roving hammer one response is not one FRF.
+# With a roving hammer a response has several FRFs.
 FRF_PATTERNS = {
     GapPattern.ONE_RESPONSE: "only one FRF, {frf}, disagrees; all other FRFs agree",
     GapPattern.DRIVE_POINT_ONLY: "only the drive-point FRF {frf} disagrees; all other FRFs agree",

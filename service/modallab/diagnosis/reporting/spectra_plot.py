@@ -72,7 +72,7 @@ def _difference(
 
 
 def _channel(curves: DiagnosisCurves, spectra: Spectra, i: int) -> str:
-    """Return the FRF of a spectrum, or what its run has in common."""
+    """Return the name of a spectrum's FRF, force or response; a spectrum may be common to a run."""
     frfs, n = curves.by_frf, spectra.measured.shape[1]
     if len(curves.inputs) > 1:
         if n == len(frfs.outputs):

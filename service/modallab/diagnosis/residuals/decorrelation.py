@@ -56,7 +56,7 @@ class Decorrelation:
         Parameters
         ----------
         random
-            (n_freq, n_channels) share of the variance of each FRF that its coherence tells.
+            (n_freq, n_channels) share of the variance of each FRF that follows from its coherence.
         """
         unknown = spectra.response_coherence is None or spectra.forces is None
         if spectra.n_simultaneous == 1 or unknown:

@@ -18,7 +18,10 @@ from modallab.estimation.force_noise import decorrelated_by_run
 
 @dataclass(frozen=True, eq=False)
 class Residual:
-    """Logarithmic ratios of measurement to prediction, over their random errors: mean square 1 at best."""
+    """Logarithmic ratios of measurement to prediction over their random errors.
+
+    Their mean square is 1 if the prediction is correct.
+    """
 
     frf: ComplexArray
     """(n_freq, n_out), complex, of mean squared magnitude 1."""
@@ -153,8 +156,8 @@ def residual(observed: Observed, predicted: Predicted, *, noise_inflation: float
     Parameters
     ----------
     noise_inflation
-        Relative error added to every random error: far from its minimum a fit then follows the shape of
-        the resonances before their noise.
+        Relative error added to every random error. Far from its minimum a fit then follows the shape of
+        the resonances instead of their noise.
     """
     inflation = noise_inflation**2
     frf = normalised_difference(observed, predicted.h) / np.sqrt(2 * (observed.error**2 + inflation))
@@ -186,13 +189,15 @@ def residual(observed: Observed, predicted: Predicted, *, noise_inflation: float
 def normalised_difference(observed: Observed, h: ComplexArray) -> ComplexArray:
     """Return the relative difference of a measured from a predicted H1, (n_freq, n_out).
 
-    Over its random error it has unit variance. Given G_ff, H1 is normal about its expectation and
-    independent of G_xx (1 - coherence), which weighs it (Goodman 1963): the difference (H_m - H_p)/|H_m|
-    over its error has mean square 1 at any coherence, and a fit to it is unbiased. But it has many local
-    minima far from the solution, where ln(H_m/H_p) has one. The logarithm has the same distribution while
-    the error is small, up to a bias: lines that are large by chance weigh more, which the bias of their
-    squared error corrects. So the logarithm is used where random errors are small, and passes over into
-    the difference where they are not.
+    The difference divided by its random error has unit variance. Two forms of it are combined.
+
+    The difference (H_m - H_p)/|H_m| over its error has mean square 1 at any coherence, and a fit to it is
+    unbiased: for given G_ff, H1 is normal about its expectation and independent of G_xx (1 - coherence),
+    from which its weight follows (Goodman 1963). But a fit to it has many local minima far from the
+    solution. A fit to the logarithm ln(H_m/H_p) has one minimum. While the random error is small, the
+    logarithm has the same distribution up to a bias: lines that are large by chance have more weight, which
+    the bias of their squared error corrects. Therefore the logarithm is used where random errors are small,
+    the difference where they are large, and a weighted mean of both between.
 
     Parameters
     ----------
@@ -210,7 +215,7 @@ def normalised_difference(observed: Observed, h: ComplexArray) -> ComplexArray:
 
 
 def logarithm_weight(error: FloatArray) -> FloatArray:
-    """Return the weight of the logarithm in `normalised_difference`, 0 to 1, by the random error of |H|."""
+    """Return the weight of the logarithm in `normalised_difference`, 0 to 1, at a random error of |H|."""
     return np.asarray(1 / (1 + (2 * error**2 / RESIDUAL.logarithm_limit) ** 2))
 
 
@@ -251,8 +256,9 @@ def correlation_lengths(
 ) -> dict[str, float]:
     """Return the number of lines per independent line, by part.
 
-    That of a window is known. Leakage spreads the few random numbers of a resonance over all lines, as do
-    blows of different sizes: there the residuals' autocorrelation gives the number.
+    The number that a window causes is known. Leakage, and blows of different sizes, spread the few random
+    numbers of a resonance over all lines; for them the number follows from the autocorrelation of the
+    residuals.
 
     Parameters
     ----------
@@ -278,8 +284,8 @@ def gap_errors(
     errors: dict[str, float] = {}
     for name, length in correlation_lengths(observed, residual, max_lag=max_lag).items():
         part = residual.parts[name]
-        # A complex residual holds two numbers, so its mean square scatters less. Its error is from a
-        # measured coherence: the square over that has an F distribution.
+        # A complex residual consists of two numbers, so its mean square scatters less. Its error comes from
+        # a measured coherence: the ratio of its square to the squared error has an F distribution.
         f_variance = 1 + 2 / max(observed.conditional_averages - 3, RESIDUAL.min_freedom)
         square_variance = f_variance if np.iscomplexobj(part) else 2.0
         part_mask = residual.mask_of(name, mask)

@@ -66,9 +66,9 @@ def equivalent_fits(predictor: Predictor, step: AcceptedEffect, chosen: Fit) -> 
     """Return the fits of a step's round that agree with the chosen one in chi-square, within random error.
 
     Among effects of the structure, and likewise among effects of the rig, only those with the fewest
-    parameters count: a mass is as good as an oscillator tuned far above the band. An effect of the
-    structure does not exclude one of the rig: the bending stiffness of a stinger has a parameter more than
-    the rotational spring to which it is equivalent.
+    parameters count: an oscillator tuned far above the band has the same effect as a mass, which has fewer.
+    An effect of the structure does not exclude an effect of the rig: the bending stiffness of a stinger has
+    one parameter more than the rotational spring to which it is equivalent.
     """
     limit = ACCEPTANCE.equivalence_chi_square * variance_inflation(predictor, step.round_fits[0])
     pool = [

@@ -101,7 +101,7 @@ def _order(table: FitTable) -> IntArray:
 
 
 def _fitted_modes(table: FitTable, order: IntArray, shapes: ReferenceShapes, n_ref: int) -> FittedModes:
-    """Return the fits and shapes of modes in which inconsistent frequencies are looked for."""
+    """Return the fits and shapes of modes for the check of inconsistent frequencies."""
     return FittedModes(
         frequency=table.frequency[order],
         frequency_error=table.frequency_error[order],

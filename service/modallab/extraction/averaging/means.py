@@ -91,14 +91,14 @@ def chi_squares(values: FloatArray, weight: FloatArray) -> tuple[FloatArray, Flo
 
 
 def differ_significantly(values: FloatArray, errors: FloatArray) -> bool:
-    """Return whether values differ beyond their standard errors, without the furthest of them."""
+    """Return whether values differ by more than their standard errors when the furthest is left out."""
     some = errors > 0
     weight = np.where(some, 1 / np.where(some, errors, 1.0) ** 2, 0.0)
     return is_significant(float(chi_squares(values[None], weight[None])[1][0]), int(some.sum()) - 2)
 
 
 def plain_mean(values: FloatArray, errors: FloatArray, noise_correlation: float = 0.0) -> Mean:
-    """Return the unweighted mean; `values`, `errors` (n,), n >= 1."""
+    """Return the unweighted mean of `values` (n,) with standard errors `errors` (n,), n >= 1."""
     return Mean(
         float(values.mean()), _error(np.full(len(values), 1 / len(values)), errors, noise_correlation)
     )

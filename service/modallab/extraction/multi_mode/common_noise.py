@@ -77,7 +77,7 @@ def common_noise(
 
 @dataclass(frozen=True, eq=False)
 class _Pattern:
-    """Sums over lines of the correlations of FRFs, for a common variance known but for its scale."""
+    """Sums over lines of the correlations of FRFs, for a common variance of unknown scale."""
 
     variance: FloatArray
     """(n_lines n_references,) common relative variance."""

@@ -17,7 +17,7 @@ from modallab.extraction.preprocessing.noise_model import with_conjugate_phase
 
 @dataclass(frozen=True, eq=False)
 class GradientNoise:
-    """Second moments of what the lines of each DoF give, over half their variance E|error|^2."""
+    """Second moments of the sums over the lines of each DoF, over half their variance E|error|^2."""
 
     gradient: FloatArray
     """(n_dof, n, n) of the right-hand side of the normal equations of all parameters."""

@@ -1,4 +1,4 @@
-"""Resonances in what a fit of all modes leaves of the lines."""
+"""Resonances in the residual of a fit of all modes."""
 
 from dataclasses import dataclass
 from typing import TypeVar
@@ -46,8 +46,9 @@ def residual_poles(band_data: BandData, residual: ComplexArray, fit: ModalFit) -
     """Return poles that the residual shows; None if there are none.
 
     Around every line a resonance with each of several bandwidths is fitted to the residual of all FRFs, with
-    one constant in each FRF (matched filter). Noise alone decreases the squared residual by an F ratio, if
-    it is independent from line to line: no pole is told from noise that an exponential window correlates.
+    one constant in each FRF (matched filter). If noise is independent from line to line, its decrease of the
+    squared residual has an F distribution. Noise that an exponential window correlates cannot be
+    distinguished from a pole.
 
     Parameters
     ----------

@@ -14,7 +14,7 @@ from modallab.extraction.multi_mode.refinement_settings import SPLIT_MODES
 
 @dataclass(frozen=True, eq=False)
 class Merged:
-    """Poles of which some stand for one mode each."""
+    """Poles, some groups of which represent one mode each."""
 
     eigenvalue: ComplexArray
     """(n_modes,) (rad/s)^2, where poles stand for one mode their mean at the first of them."""

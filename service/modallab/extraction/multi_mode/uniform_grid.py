@@ -13,11 +13,12 @@ from modallab.extraction.multi_mode.global_method import GlobalMethod, Poles
 def poles_of_lines(
     find: GlobalMethod, freq: FloatArray, frf: ComplexArray, weight: FloatArray, orders: IntArray
 ) -> Poles:
-    """Return the poles that a global method finds in lines of any spacing; parameters and errors as its.
+    """Return the poles that a global method finds in lines of any spacing; raises as that method.
 
-    Lines are put at the nearest of evenly spaced places, of which those without a line have no weight. The
-    places are as far apart as the nearest lines, or closer where that does not meet the others. Where
-    they are met only nearly the poles are off by part of that, and serve to start a fit.
+    Each line is moved to the nearest point of a uniform grid; points without a line have weight 0. The
+    spacing of the grid is the least spacing of the lines, or smaller if some lines would be too far from a
+    point. If lines are not exactly at their points, the poles have errors of a part of that distance, and
+    serve as starting values of a fit.
 
     Raises
     ------

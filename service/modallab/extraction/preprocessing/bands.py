@@ -26,7 +26,7 @@ class Band:
 
 
 def coherent_lines(coherence: FloatArray, averages: float) -> BoolArray:
-    """Return where at least one FRF is more coherent than noise would be, (n_freq,) boolean.
+    """Return the lines at which an FRF has more coherence than pure noise, (n_freq,) boolean.
 
     The estimated coherence of pure noise exceeds c with probability `(1 - c)^(n - 1)` at n averages.
 

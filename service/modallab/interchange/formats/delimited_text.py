@@ -62,7 +62,7 @@ def _read(piece: Piece, options: ReadingOptions, largest: int) -> FileContent:
 
 
 def _kind(options: ReadingOptions, header: HeaderUnit, label: str) -> tuple[FrfKind, tuple[Assumption, ...]]:
-    """Return the kind of the FRFs, and what of kind and unit is assumed."""
+    """Return the kind of the FRFs, with the assumptions on kind and unit."""
     if header.unit is not None:
         return stated_kind(replace(options, unit=header.text), label)
     kind, assumed = stated_kind(options, label)
@@ -94,7 +94,7 @@ def _axis_error(freq: FloatArray) -> float:
 
 
 def _curves(table: Table, roles: Roles) -> tuple[ComplexArray, tuple[Assumption, ...]]:
-    """Return the FRFs (n_lines, n_frfs), and what had to be assumed of their form."""
+    """Return the FRFs (n_lines, n_frfs), with the assumptions on their form."""
     form = form_of(roles)
     first = table.columns[:, roles[form[0]]]
     if form == ("values",):
@@ -122,7 +122,7 @@ def _coherence(table: Table, roles: Roles, count: int) -> FloatArray | None:
 
 
 def _below_one(coherence: FloatArray) -> FloatArray:
-    """Return coherence in which a rounded 1 is the mean of what a text of so few digits rounds to it.
+    """Return coherence with the mean of the values that a text rounds to 1 in place of 1.
 
     A coherence of exactly 1 would have no random error. Where every line has it, nothing was rounded.
     """

@@ -1,4 +1,4 @@
-"""What a direct method is: from a model's matrices and measured modes to corrections or to errors."""
+"""Interface of direct methods: a model's matrices and measured modes give corrections or errors."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -15,7 +15,7 @@ from modallab.fe.reduction import REDUCTIONS, reduction_of
 
 @dataclass(frozen=True, eq=False)
 class Elements:
-    """The matrices that a model is the sum of, member by member, beside what belongs to none."""
+    """Element matrices of the members of a model; further parts of its matrices belong to no member."""
 
     numbers: tuple[int, ...]  # of the members
     rows: IntArray  # (n_members, 6) place in the model's matrices, -1 where a DoF is held
@@ -169,10 +169,10 @@ def relative_row_norms(change: FloatArray, reference: FloatArray, scale: FloatAr
     change, reference
         (n, k).
     scale
-        (k,) what makes the columns of one unit.
+        (k,) factors that give all columns the same unit.
     """
     reference_norms = np.linalg.norm(reference * scale, axis=1)
-    # A row that the reference leaves empty is held against the whole of it.
+    # A row that is zero in the reference is compared with the largest row.
     floor = np.finfo(float).eps * float(reference_norms.max(initial=0.0))
     row_norms = np.linalg.norm(change * scale, axis=1)
     return np.asarray(
@@ -183,7 +183,7 @@ def relative_row_norms(change: FloatArray, reference: FloatArray, scale: FloatAr
 
 
 def diagonal_scaling(matrix: FloatArray) -> FloatArray:
-    """Return 1 over the root of each diagonal entry, (n,): what takes the units of DoFs out of a matrix."""
+    """Return 1 over the root of each diagonal entry, (n,): a scaling that makes a matrix dimensionless."""
     diagonal = np.diag(matrix)
     return np.asarray(
         np.divide(1.0, np.sqrt(np.maximum(diagonal, 0.0)), out=np.zeros(len(diagonal)), where=diagonal > 0)

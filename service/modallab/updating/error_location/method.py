@@ -68,7 +68,7 @@ class ErrorLocationMethod:
     options: type[LocationOptions] = LocationOptions
     """Options dataclass of the method."""
     parts: tuple[Part, ...] = (Part.MASS, Part.STIFFNESS)
-    """Parts of the members' matrices that are looked at where none are named."""
+    """Parts of the members' matrices that are examined by default."""
 
     @property
     def summary(self) -> str:

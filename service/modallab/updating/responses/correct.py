@@ -150,7 +150,7 @@ class _ResponsePathSolver:
         return bounded_mean(self._parameterisation, self._posterior)
 
     def _coefficients_after(self, target_changes: FloatArray, fraction: float) -> FloatArray:
-        """Return the coefficients after a fraction of the step, none more than doubled or halved."""
+        """Return the coefficients after a fraction of the step, which at most doubles or halves them."""
         current_changes = log_changes(self._parameterisation, self._values)
         fraction = min(
             fraction,

@@ -20,17 +20,17 @@ def eigendynamic_constraint(problem: DirectProblem) -> Correction:
     """Mass and stiffness of every member such that measured modes fulfil its equation of motion.
 
     sum b_i K_i phi_r = lambda_r sum a_i M_i phi_r and phi_r^T sum a_i M_i phi_r = 1 of all modes, by SVD;
-    what belongs to no member stays. Connections are kept. Exact with exact shapes at all degrees of
-    freedom, where one mode is enough. Errors of shapes stand in the equations themselves: with 1e-4 in
-    every entry coefficients of a beam are off by half, and expanded shapes are no better. 1992 thesis,
-    eq. [2.11] to [2.14].
+    parts that belong to no member do not change, and the connections are kept. With exact shapes at all
+    degrees of freedom the result is exact, and one mode is enough. Errors of shapes are errors of the
+    coefficients of these equations: with an error of 1e-4 in every entry, results for a beam are wrong by
+    half, and expanded shapes are no better. 1992 thesis, equations 2.11 to 2.14.
 
     Raises
     ------
     InvalidInputError
         If the model was reduced, or has no members.
     UnderdeterminedError
-        If the modes do not tell all coefficients apart, or make the mass of a structure that none can have.
+        If the modes do not determine all coefficients, or give a mass matrix that is not positive definite.
     """
     elements = _elements(problem)
     n_members = len(elements.numbers)

@@ -18,11 +18,12 @@ from modallab.updating.direct.method import (
 def error_matrix(problem: DirectProblem) -> ErrorLocation:
     """First-order errors of stiffness and mass, as far as the measured modes show them.
 
-    dK = K (F_a - F_x) K with F = Phi Lambda^-1 Phi^T of model and measured modes in pairs, and dM =
-    M (Phi_a Phi_a^T - Phi_x Phi_x^T) M [2.26, 2.27]. Right to first order with all modes; with few, rows
-    are held against what the same modes make of the model's own matrix, for stiff DoFs otherwise outweigh
-    wrong ones. Mass takes many more modes than stiffness: low modes rule flexibility, not mobility.
-    Sidhu, J. and Ewins, D. J. (1984), Proc. 2nd International Modal Analysis Conference.
+    dK = K (F_a - F_x) K with F = Phi Lambda^-1 Phi^T of model and measured modes in pairs, and dM = M (Phi_a
+    Phi_a^T - Phi_x Phi_x^T) M, 1992 thesis, equations 2.26, 2.27. With all modes this is correct to first
+    order. With few modes each row is divided by the row that the same modes give for the model's own matrix,
+    because stiff DoFs would otherwise hide wrong ones. Mass errors need many more modes than stiffness
+    errors: low modes determine the flexibility, but not the inverse of the mass. Sidhu, J. and Ewins, D. J.
+    (1984), Proc. 2nd International Modal Analysis Conference.
 
     Raises
     ------

@@ -14,10 +14,10 @@ def modified_error_matrix(problem: DirectProblem) -> ErrorLocation:
     """Rows of the force balance that are not zero: DoFs where mass or stiffness is wrong.
 
     dK Phi Phi^T - dM Phi Lambda Phi^T = M Phi Lambda Phi^T - K Phi Phi^T [2.29], without any assumption that
-    errors are small, and from a single mode on; which of the two matrices is wrong it does not say. A
-    DoF's error is the share of inertia and elastic forces there that is left over, 0 to 1, so that units
-    and stiff DoFs do not matter. It takes shapes as they are: what an expansion got wrong is imbalance
-    too. Fisette, E., Stavrinidis, C. and Ibrahim, S. (1988), Proc. 6th International Modal Analysis
+    errors are small, and from a single mode on. The method does not show which of the two matrices is wrong.
+    The error of a DoF is the force that remains there over the inertia and elastic forces, 0 to 1, and
+    therefore independent of units and of stiff DoFs. Errors of an expansion of shapes also cause a force that
+    remains. Fisette, E., Stavrinidis, C. and Ibrahim, S. (1988), Proc. 6th International Modal Analysis
     Conference.
     """
     inertia = problem.mass @ problem.shapes * problem.squares

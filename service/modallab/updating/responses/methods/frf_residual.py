@@ -22,10 +22,10 @@ def frf_residual(
 ) -> UpdateResult:
     """Correct mass, stiffness and damping of all elements at once on measured frequency responses.
 
-    Rows are ln(H_measured / H_model) over its random error, whose derivatives are exact; prior and steps
-    are those of `one_shot`. The first steps take the model to be wrong everywhere, so that it need not
-    resonate where the structure does. Every difference is put down to the coefficients: what a rig adds
-    is no part of the model, unless the structure has it.
+    Rows are ln(H_measured / H_model) over its random error, whose derivatives are exact; prior and steps are
+    those of `one_shot`. In the first steps random errors are enlarged, so that resonances of the model need
+    not coincide with those of the structure. Every difference is attributed to the coefficients; an influence
+    of the rig is therefore an error, unless the structure includes it.
 
     Parameters
     ----------
