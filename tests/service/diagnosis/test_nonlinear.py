@@ -14,8 +14,9 @@ from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.reporting.text import number_text
 from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.residuals.predicted import VarianceRatios
 from modallab.diagnosis.residuals.residual import residual
-from modallab.diagnosis.searching.acceptance import is_significant
+from modallab.diagnosis.searching.acceptance import is_noise_only, is_significant, unexplained_parts
 from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.friction import Friction
@@ -106,6 +107,21 @@ def test_wider_errors_pay_for_what_they_forgive() -> None:
     )
     assert factors > 0
     assert fixed.chi_square == pytest.approx(vector @ vector + factors, rel=1e-9)
+
+
+@pytest.mark.parametrize(("times", "explained"), [(1.0, True), (10.0, False), (300.0, False)])
+def test_errors_far_wider_than_the_residuals_explain_nothing(times: float, explained: bool) -> None:
+    """A force so strong that its bursts forgive any response spectrum has not predicted that spectrum."""
+    measured = draw_measurement(rig(roving=False), [CUBIC], seed=3)
+    predictor = SingleTestPredictor.of(model(), measured.setup, observe(measured, (), fraction=0.25))
+    before, found = fit(predictor, []), fit(predictor, [CUBIC])
+    assert found.residual.variance_ratios is not None
+    own = found.residual.variance_ratios()
+    wide = VarianceRatios(own.force, own.frf, own.response * times)
+    candidate = replace(found, residual=replace(found.residual, variance_ratios=lambda: wide))
+    assert unexplained_parts(predictor, candidate, max_lag=None) == (set() if explained else {"response"})
+    assert is_noise_only(predictor, candidate) == explained
+    assert is_significant(predictor, before, candidate) == explained
 
 
 def test_errors_are_as_they_were_where_nothing_comes_in_bursts() -> None:

@@ -14,6 +14,8 @@ from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.residual import correlation_lengths, gap_error, gap_errors
 from modallab.diagnosis.searching.settings import ACCEPTANCE
 from modallab.rig.effect import Effect, Stage
+from modallab.rig.simulated_variance import is_intermittent
+from modallab.rig.spectrum_settings import SIMULATED_VARIANCE
 
 
 def is_noise_only(
@@ -30,9 +32,10 @@ def is_noise_only(
 
 
 def unexplained_parts(predictor: Predictor, candidate: Fit, *, max_lag: int | None) -> set[str]:
-    """Return the parts of the gap that are above 1 beyond their random error, on fitted or held-out data.
+    """Return the parts of the gap that are not 1 within their random error, on fitted or held-out data.
 
-    Errors of nuisance parameters enlarge the gap of held-out data by a known mean.
+    Errors of nuisance parameters enlarge the gap of held-out data by a known mean. Effects in bursts state
+    the random errors themselves: where the residuals are far smaller, these are not the errors of the data.
 
     Parameters
     ----------
@@ -55,7 +58,28 @@ def unexplained_parts(predictor: Predictor, candidate: Fit, *, max_lag: int | No
     fitted, held_out = excess(observed.fitted, {}), excess(observed.held_out_mask, {})
     if not fitted and held_out and len(predictor.nuisances):
         held_out = excess(observed.held_out_mask, candidate.prediction_variance)
-    return fitted | held_out
+    return fitted | held_out | parts_with_wide_errors(predictor, candidate, max_lag=max_lag)
+
+
+def parts_with_wide_errors(predictor: Predictor, candidate: Fit, *, max_lag: int | None = None) -> set[str]:
+    """Return the fitted parts whose residuals are far smaller than the errors that effects in bursts state.
+
+    Such errors forgive any residual. They are known from a few simulated tests, to a factor.
+
+    Parameters
+    ----------
+    max_lag
+        As `unexplained_parts`.
+    """
+    if not any(is_intermittent(candidate.effects, test.setup) for test in predictor.tests):
+        return set()
+    mask = predictor.observed.fitted
+    gaps, errors = (
+        candidate.residual.gaps(mask),
+        gap_errors(predictor.observed, candidate.residual, mask, max_lag=max_lag),
+    )
+    least = 1 / SIMULATED_VARIANCE.significance_ratio
+    return {part for part, gap in gaps.items() if gap < least * smallest_gap_by_chance(errors[part])}
 
 
 def largest_gap_by_chance(error: float) -> float:
@@ -66,6 +90,12 @@ def largest_gap_by_chance(error: float) -> float:
     """
     freedom = 2 / error**2
     return float(chdtri(freedom, ACCEPTANCE.gap_probability) / freedom)
+
+
+def smallest_gap_by_chance(error: float) -> float:
+    """Return the smallest gap that is compatible with noise, as `largest_gap_by_chance`."""
+    freedom = 2 / error**2
+    return float(chdtri(freedom, 1 - ACCEPTANCE.gap_probability) / freedom)
 
 
 def ranked_by_bic(fits: Sequence[Fit]) -> list[Fit]:
@@ -121,12 +151,14 @@ def _same_place(first: Effect, second: Effect) -> bool:
 
 
 def is_significant(predictor: Predictor, previous: Fit, candidate: Fit) -> bool:
-    """Return whether an added effect is significant: by BIC, on held-out data, and by its amount."""
-    observed = predictor.observed
+    """Return whether an added effect is significant: by BIC, on held-out data, and by its amount.
+
+    Never with random errors that are not those of the data.
+    """
+    observed, effect = predictor.observed, candidate.effects[-1]
     gain = (previous.bic - candidate.bic) / variance_inflation(predictor, candidate)
-    if gain < ACCEPTANCE.very_strong_bic:
+    if gain < ACCEPTANCE.very_strong_bic or parts_with_wide_errors(predictor, candidate):
         return False
-    effect = candidate.effects[-1]
     # The size of distortion in bursts may be known to a factor only: its BIC decides alone.
     if not effect.intermittent and not is_nonzero(effect, candidate.errors[-1]):
         return False
