@@ -1,6 +1,6 @@
 """One round of the search: every suspect beside the accepted effects, the best candidates fitted."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ import numpy as np
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.place import Members
-from modallab.core.progress import Progress, part
+from modallab.core.progress import Progress, part, silent
 from modallab.diagnosis.fitting.coarse_fit import coarse_fit
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.fitting.settings import FIT
@@ -17,11 +17,11 @@ from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import is_noise_only, ranked_by_bic
 from modallab.diagnosis.searching.neighbouring_places import neighbouring_effects
-from modallab.diagnosis.searching.scanning import scan
+from modallab.diagnosis.searching.scanning import StartingPoint, scan
 from modallab.diagnosis.searching.search_path import kind_and_place
 from modallab.diagnosis.searching.settings import LOSS, ROUND
 from modallab.fe.system import DynamicSystem
-from modallab.rig.effect import Effect
+from modallab.rig.effect import EFFECTS, Effect
 
 
 @dataclass(frozen=True)
@@ -61,6 +61,7 @@ def fit_candidates(predictor: Predictor, base: Fit, suspects: Suspects, *, progr
     if candidates.explanation is not None:
         explanation, system = candidates.explanation, predictor.system
         nonlinear = [effect for effect in nonlinear if _is_imitated(effect, explanation, system)]
+        nonlinear = [effect for effect in nonlinear if candidates.may_be_rival(effect)]
     candidates.examine(nonlinear, part(progress, share, 1.0))
     candidates.fit_reduced_model()
     return ranked_by_bic(candidates.fits)
@@ -85,13 +86,10 @@ class _Round:
         if not suspects:
             return
         starts = scan(self._coarse, self._accepted, suspects, part(progress, 0.0, 0.5))
-        for i, start in enumerate(starts):
-            progress(0.5 + 0.25 * i / len(starts), f"approaching {start.effect.kind}")
-            with suppress(InvalidInputError):  # an effect that cannot be predicted is no explanation
-                effect, cost = coarse_fit(self._coarse, self._accepted, start.effect, start.noise_inflation)
-                name = kind_and_place(effect)
-                if name not in self._candidates or cost < self._candidates[name][0]:
-                    self._candidates[name] = (cost, effect)
+        for effect, cost in self._approached(starts, part(progress, 0.5, 0.75)):
+            name = kind_and_place(effect)
+            if name not in self._candidates or cost < self._candidates[name][0]:
+                self._candidates[name] = (cost, effect)
         best = _worth_fitting(self._candidates.values())
         for i, (cost, effect) in enumerate(best):
             progress(0.75 + 0.25 * i / len(best), f"fitting {effect.kind}")
@@ -100,6 +98,28 @@ class _Round:
             if not hopeless and not given_up:
                 self._fit(cost, effect)
         self._fit_neighbours()
+
+    def may_be_rival(self, force: Effect) -> bool:
+        """Return whether a nonlinear force may come as near the data as the explanation that was found.
+
+        It changes FRFs much like an effect that it is linearised to. Where its motion is measured the
+        spectra tell a force too weak for that.
+        """
+        measured = {channel.response.point for channel in self._predictor.observed.channels}
+        if force.at in measured or not force.linearised_kinds:
+            return True
+        linear = [EFFECTS[kind](at=force.at) for kind in force.linearised_kinds]
+        starts = scan(self._coarse, self._accepted, linear, silent)
+        return any(cost <= self._max_cost for _, cost in self._approached(starts, silent))
+
+    def _approached(
+        self, starts: Sequence[StartingPoint], progress: Progress
+    ) -> Iterator[tuple[Effect, float]]:
+        """Yield the coarse fits from starting points with their costs."""
+        for i, start in enumerate(starts):
+            progress(i / len(starts), f"approaching {start.effect.kind}")
+            with suppress(InvalidInputError):  # an effect that cannot be predicted is no explanation
+                yield coarse_fit(self._coarse, self._accepted, start.effect, start.noise_inflation)
 
     def _fit_neighbours(self) -> None:
         """Fit the best effects of the structure at adjoining places too, on and on while one is better.

@@ -1,14 +1,22 @@
 """A round of the search."""
 
+from typing import Any
+
 import pytest
 
 import modallab.diagnosis.searching.search_round as module
 from modallab.core.dof import Dof
+from modallab.core.place import Members
 from modallab.core.progress import silent
+from modallab.diagnosis.fitting.coarse_fit import coarse_fit
 from modallab.diagnosis.fitting.fit import fit
 from modallab.diagnosis.searching.scanning import StartingPoint
 from modallab.diagnosis.searching.search_round import Suspects, fit_candidates
+from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.extra_mass import ExtraMass
+from modallab.effects.ground_spring import GroundSpring
+from modallab.effects.stiffness_error import StiffnessError
+from modallab.rig.effect import Effect
 from tests.diagnosing import draw_measurement, predicting, rig
 
 
@@ -21,3 +29,26 @@ def test_a_place_that_the_scan_takes_for_its_neighbour_is_found(monkeypatch: pyt
     best, *others = fit_candidates(predictor, fit(predictor, ()), suspects, progress=silent)
     assert best.effects[-1].at == hidden.at
     assert {4, 5, 7} == {f.effects[-1].at.node for f in others if isinstance(f.effects[-1].at, Dof)}
+
+
+@pytest.mark.parametrize(
+    ("hidden", "approached"),
+    [(StiffnessError(Members((3,)), 0.6), False), (GroundSpring(Dof(3, "Y"), 2e4), True)],
+)
+def test_an_unmeasured_nonlinear_force_rivals_only_what_its_linearisation_explains(
+    hidden: Effect, approached: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kinds: list[str] = []
+
+    def recorded(*given: Any) -> tuple[Effect, float]:
+        kinds.append(given[2].kind)
+        return coarse_fit(*given)
+
+    monkeypatch.setattr(module, "coarse_fit", recorded)
+    predictor, _ = predicting(draw_measurement(rig(), [hidden]))
+    elements = [StiffnessError(Members((number,))) for number in range(1, 9)]
+    end_of_element_3 = Dof(3, "Y")  # without an accelerometer
+    suspects = Suspects([*elements, GroundSpring(end_of_element_3), CubicStiffness(end_of_element_3)])
+    best, *_ = fit_candidates(predictor, fit(predictor, ()), suspects, progress=silent)
+    assert best.effects[-1].at == hidden.at
+    assert ("cubic_stiffness" in kinds) is approached
