@@ -7,6 +7,7 @@ import numpy as np
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.core.numerics import SAFE_DIVISOR
+from modallab.correlation.settings import SUSPICION
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,11 +60,34 @@ class Evidence:
         )
 
     def follows(self, course: ComplexArray | FloatArray) -> float:
-        """Return the fraction of the worst response's residual proportional to `course` (n_freq,), 0 to 1."""
+        """Return the fraction of the worst response's residual that `course` (n_freq,) may cause, 0 to 1.
+
+        The fraction f that is proportional to it, where nothing else is missing. Shifted resonances may
+        cancel what is proportional by chance: of a residual that amounts to N independent numbers, sqrt(f)
+        has a standard error of 1/sqrt(N).
+        """
         worst = int(self.by_channel.argmax())
         residual = self.frf[:, worst] * self.weight[:, worst]
         size = float((np.abs(residual) ** 2).sum() * (np.abs(course) ** 2).sum())
-        return min(1.0, float((course.conj() * residual).real.sum()) ** 2 / max(size, SAFE_DIVISOR))
+        fraction = float((course.conj() * residual).real.sum()) ** 2 / max(size, SAFE_DIVISOR)
+        reach = SUSPICION.excluded_errors / np.sqrt(
+            SUSPICION.numbers_per_mode * max(len(self.mode_frequency), 1)
+        )
+        hidden = (np.sqrt(fraction) + reach) ** 2 - fraction
+        return min(1.0, fraction + _excess_share(float(self.by_channel[worst])) * float(hidden))
+
+    @property
+    def wrong_force(self) -> float:
+        """Fraction of the force spectra's residual that a cause in the exciter may have, 0 to 1.
+
+        Most where the FRFs are right; but wrong FRFs exclude no such cause beside the one that makes them
+        wrong. Few where no force spectrum tells.
+        """
+        gaps, least = self.gaps, SUSPICION.unlikely
+        if "force" not in gaps:
+            return least
+        alone = max(0.0, gaps["force"] - gaps["frf"]) / max(gaps["force"], 1.0)
+        return max(alone, least * _excess_share(gaps["force"]))
 
     @property
     def at_peaks(self) -> float:
@@ -104,6 +128,11 @@ class Evidence:
     def rising(self) -> float:
         """Number of modes with raised frequency less those with lowered one, over all modes, 0 to 1."""
         return _surplus(self.frequency_shift)
+
+
+def _excess_share(mean_square: float) -> float:
+    """Return the share of a mean squared residual that is more than random error."""
+    return 1 - 1 / max(mean_square, 1.0)
 
 
 def _surplus(shifts: FloatArray) -> float:

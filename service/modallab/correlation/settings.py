@@ -59,3 +59,29 @@ class ResponseCorrelationSettings(Settings):
 
 
 RESPONSES = ResponseCorrelationSettings()
+
+
+@dataclass(frozen=True)
+class SuspicionSettings(Settings):
+    """Suspicion of causes by the residuals of a prediction."""
+
+    numbers_per_mode: int = setting(
+        3,
+        unit="numbers",
+        doc="independent numbers of a mode's residual",
+        derived="its frequency, damping and amplitude",
+    )
+    excluded_errors: float = setting(
+        2.0,
+        unit="standard errors",
+        doc="distance beyond which a correlation is excluded",
+        derived="2 sigma: a false suspect costs a few predictions",
+    )
+    unlikely: float = setting(
+        0.1,
+        doc="suspicion of a cause that the residuals neither show nor exclude",
+        derived="above the least suspicion of a search, below that of any cause that residuals show",
+    )
+
+
+SUSPICION = SuspicionSettings()

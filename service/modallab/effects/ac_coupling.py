@@ -61,9 +61,6 @@ class AcCoupling(Effect):
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
-        """Return the correlation of the worst residual with a phase error proportional to the period.
-
-        Never 0: where resonances have shifted too, they are the worst of the residual.
-        """
+        """Return the correlation of the worst residual with a phase error proportional to the period."""
         slow = np.divide(1.0, evidence.freq, out=np.zeros(len(evidence.freq)), where=evidence.freq > 0)
-        return 0.1 + 0.9 * evidence.follows(np.asarray(1j * slow))
+        return evidence.follows(np.asarray(1j * slow))

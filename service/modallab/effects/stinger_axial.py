@@ -51,8 +51,5 @@ class StingerAxial(Effect):
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
-        """Return the evidence of a wrong force spectrum beside right FRFs."""
-        gaps = evidence.gaps
-        if "force" not in gaps:
-            return 0.1
-        return max(0.0, gaps["force"] - gaps["frf"]) / max(gaps["force"], 1.0)
+        """Return the evidence of a wrong force spectrum."""
+        return evidence.wrong_force

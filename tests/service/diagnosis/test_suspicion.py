@@ -1,14 +1,20 @@
 import pytest
 
 from modallab.core.dof import Dof
-from modallab.core.place import Channels
+from modallab.core.place import Channels, Members
 from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.effects.ac_coupling import AcCoupling
+from modallab.effects.channel_delay import ChannelDelay
+from modallab.effects.exciter_armature import ExciterArmature
 from modallab.effects.force_noise import ForceNoise
+from modallab.effects.gain_error import GainError
+from modallab.effects.mounted_resonance import MountedResonance
 from modallab.effects.overload import Overload
 from modallab.effects.quantisation import Quantisation
 from modallab.effects.stiffness_error import StiffnessError
+from modallab.effects.stinger_axial import StingerAxial
+from modallab.rig.effect import Effect
 from tests.diagnosing import draw_measurement, predicting, rig
 
 FAULTY = Channels((Dof(5, "Y"),))
@@ -35,8 +41,42 @@ def test_what_a_converter_adds_to_one_channel_is_looked_for_though_coherence_har
     assert effect.signature(evidence) > 10 * DIAGNOSIS.least_suspicion
 
 
-def test_an_ac_coupling_is_looked_for_beside_shifted_resonances() -> None:
-    hidden = [StiffnessError(None, 1.05), AcCoupling(corner=5.0)]
+@pytest.mark.parametrize("strain", [0.95, 1.05, 1.3], ids=str)
+@pytest.mark.parametrize(
+    "effect",
+    [
+        AcCoupling(corner=5.0),
+        ChannelDelay(FAULTY, 1e-4),
+        GainError(FAULTY, 1.05),
+        MountedResonance(FAULTY, 2e3),
+    ],
+    ids=lambda effect: effect.kind,
+)
+def test_an_error_of_a_channel_is_looked_for_beside_shifted_resonances(effect: Effect, strain: float) -> None:
+    """Its course is lost in a residual of resonances: that it is not seen does not exclude it."""
+    hidden = [StiffnessError(None, strain), effect]
     predictor, _ = predicting(draw_measurement(rig(noise=1e-5), hidden, seed=2))
     evidence = collect_evidence(predictor, [])
-    assert AcCoupling.signature(evidence) >= 10 * DIAGNOSIS.least_suspicion
+    assert type(effect).signature(evidence) >= 10 * DIAGNOSIS.least_suspicion
+
+
+@pytest.mark.parametrize("kind", [ChannelDelay, GainError, MountedResonance, AcCoupling])
+def test_an_error_of_a_channel_is_excluded_where_the_frfs_agree(kind: type[Effect]) -> None:
+    predictor, _ = predicting(draw_measurement(rig(noise=1e-4), [ExciterArmature(mass=0.05)], seed=2))
+    evidence = collect_evidence(predictor, [])
+    assert evidence.gaps["force"] > 3
+    # by chance, of two numbers a line: 4 standard errors
+    assert kind.signature(evidence) < 16 / (2 * len(evidence.freq))
+
+
+@pytest.mark.parametrize(
+    "effect", [ExciterArmature(mass=0.05), StingerAxial(None, 3e5)], ids=lambda effect: effect.kind
+)
+def test_a_wrong_force_is_looked_into_however_wrong_the_frfs_are(effect: Effect) -> None:
+    wrong, right = (
+        collect_evidence(predicting(draw_measurement(rig(noise=1e-4), hidden, seed=2))[0], [])
+        for hidden in ([StiffnessError(None, 1.05), effect], [StiffnessError(Members((3,)), 1.0002)])
+    )
+    assert wrong.gaps["frf"] > wrong.gaps["force"] > 3
+    assert type(effect).signature(wrong) > 5 * DIAGNOSIS.least_suspicion
+    assert type(effect).signature(right) < DIAGNOSIS.least_suspicion, "a force as predicted excludes it"
