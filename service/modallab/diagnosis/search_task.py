@@ -1,13 +1,13 @@
 """Search for missing effects: prediction of the tests, suspects, and stated or assumed tolerances."""
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.progress import Progress, Pulse, part
-from modallab.diagnosis.fitting.fit import Fit, fit, promising_fit
+from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.optimisation.nuisances import nuisance_parameters
 from modallab.diagnosis.optimisation.tolerances import Tolerances
@@ -73,21 +73,19 @@ class SearchTask:
         """Return the result of the search, and the assumed tolerances if they were needed.
 
         The stated tolerances come first: a model that is exact loses nothing by those assumed. They are not
-        searched further where the assumed ones leave random error alone, beside one effect at most. Where
-        these alone are far from that they are fitted to the end only if no effect explains the tests.
+        searched further where the assumed ones leave random error alone, beside one effect at most.
         """
         pulse(0.0, "predicting the tests from model and log book")
         first = self._start(stated, pulse)
         if assumed is None or is_noise_only(first.predictor, first.path.fit):
             return self._search_from(first, self.max_effects, pulse), None
-        second = self._start_with(promising_fit, assumed, pulse)
-        if second is not None and is_noise_only(second.predictor, second.path.fit):
+        second = self._start(assumed, pulse)
+        if is_noise_only(second.predictor, second.path.fit):
             return second, assumed
         # A search for one effect that explains nothing ends before half of its progress.
         found = self._search_from(first, 1, pulse)
         if "frf" not in found.unexplained_parts:
             return found, None
-        second = second or self._start(assumed, pulse)
         alone = fit(second.predictor, found.path.fit.effects)
         if not is_noise_only(second.predictor, alone) and self.max_effects > 1:
             first.predictor.budget.limit_to(BUDGET.first_search)
@@ -98,41 +96,10 @@ class SearchTask:
 
     def _start(self, tolerances: Tolerances, pulse: Pulse) -> SearchResult:
         """Return the fit under tolerances without any effect."""
-        start = self._start_with(lambda predictor: fit(predictor, ()), tolerances, pulse)
-        assert start is not None
-        return start
-
-    def _start_with(
-        self, fitted: Callable[[Predictor], Fit | None], tolerances: Tolerances, pulse: Pulse
-    ) -> SearchResult | None:
-        """Return a fit under tolerances without any effect; None if it was given up.
-
-        Only with the nuisance parameters fitted do channels with a gross error stand out; these are not
-        held out.
-        """
-        fraction, outliers = self.hold_out_fraction, set[FrfSelection]()
-        held_out, unmeasured = self._held_out(fraction)
-        predictor = _predictor(self.structure, self.tests, held_out, fraction, tolerances, pulse)
-        start = fitted(predictor)
-        if start is None:
-            return None
-        if any(tolerances.stated.values()):
-            roving = self.tests[0].setup.roving_hammer
-            outliers = set(outlying_frfs(predictor.observed, start.residual, roving_hammer=roving))
-        named, _ = self._held_out(0.0)
-        if outliers & (set(held_out) - set(named)):
-            held_out, _ = self._held_out(fraction, outliers)
-            predictor = _predictor(self.structure, self.tests, held_out, fraction, tolerances, pulse)
-            start = fitted(predictor)
-        return None if start is None else SearchResult(predictor, SearchPath(start), unmeasured)
-
-    def _held_out(
-        self, fraction: float, spared: Collection[FrfSelection] = ()
-    ) -> tuple[list[FrfSelection], tuple[Dof, ...]]:
-        """Return the FRFs that take no part in any fit, and the responses without a test."""
-        return select_held_out(
-            self.structure, self.tests[0], fraction, self.hold_out, self.seed, spared=spared
+        predictor, unexplained, unmeasured = _first_prediction(
+            self.structure, self.tests, self.hold_out_fraction, self.hold_out, tolerances, self.seed, pulse
         )
+        return SearchResult(predictor, SearchPath(unexplained), unmeasured)
 
     def _search_from(self, start: SearchResult, max_effects: int, progress: Progress) -> SearchResult:
         """Return the result of a search from the fit without any effect."""
@@ -168,6 +135,35 @@ def suspected(predictor: Predictor, kinds: Sequence[str] | None) -> list[Effect]
     if not suspects:
         raise InvalidInputError("no suspect is left", field="suspects", allowed=list(EFFECTS))
     return suspects
+
+
+def _first_prediction(
+    structure: Structure,
+    tests: Sequence[Measurement],
+    hold_out_fraction: float,
+    hold_out: Sequence[Dof],
+    tolerances: Tolerances,
+    seed: int,
+    pulse: Pulse,
+) -> tuple[Predictor, Fit, tuple[Dof, ...]]:
+    """Return the predictor, its fit without missing effects, and the held-out responses without a test.
+
+    Only with the nuisance parameters fitted do channels with a gross error stand out; these are not held out.
+    """
+    first = tests[0]
+    held_out, unmeasured = select_held_out(structure, first, hold_out_fraction, hold_out, seed)
+    predictor = _predictor(structure, tests, held_out, hold_out_fraction, tolerances, pulse)
+    start = fit(predictor, ())
+    outliers = set[FrfSelection]()
+    if any(tolerances.stated.values()):
+        frfs = outlying_frfs(predictor.observed, start.residual, roving_hammer=first.setup.roving_hammer)
+        outliers = set(frfs)
+    named, _ = select_held_out(structure, first, 0.0, hold_out, seed)
+    if outliers & (set(held_out) - set(named)):
+        held_out, _ = select_held_out(structure, first, hold_out_fraction, hold_out, seed, spared=outliers)
+        predictor = _predictor(structure, tests, held_out, hold_out_fraction, tolerances, pulse)
+        start = fit(predictor, ())
+    return predictor, start, unmeasured
 
 
 def _predictor(

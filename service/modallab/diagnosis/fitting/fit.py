@@ -88,49 +88,9 @@ def fit(predictor: Predictor, effects: Sequence[Effect], *, fixed: Sequence[Effe
     fixed
         Effects that act but are not fitted.
     """
-    task = _FitTask(predictor.with_intermittent_errors([*fixed, *effects]), fixed, ParameterVector(effects))
-    return _completed(predictor, task, *_minimised(task))
-
-
-def promising_fit(predictor: Predictor) -> Fit | None:
-    """Return the fit of the nuisance parameters alone; None, and early, if it is far from random error."""
-    task = _FitTask(predictor.with_intermittent_errors(()), (), ParameterVector(()))
-    try:
-        return _completed(predictor, task, *_minimised(task, is_hopeless=_is_hopeless))
-    except _HopelessFitError:
-        return None
-
-
-class _HopelessFitError(Exception):
-    """A fit was given up: it would leave much more than random error."""
-
-
-def _is_hopeless(mean_square: float, share: float) -> bool:
-    """Return whether a fit leaves much more than random error.
-
-    Parameters
-    ----------
-    mean_square
-        Of the residuals.
-    share
-        Predicted gain of a step, over the cost.
-    """
-    return mean_square > FIT.hopeless_mean_square and share < FIT.hopeless_share
-
-
-def _completed(plain: Predictor, task: "_FitTask", start: FloatArray, derivatives: FloatArray) -> Fit:
-    """Return the fit at the minimum, with the nuisance parameters of held-out channels fitted too.
-
-    Parameters
-    ----------
-    plain
-        Predictor without the intermittent errors of the effects.
-    start
-        Position of the minimum.
-    derivatives
-        (n_data, n) of the data's residuals there.
-    """
-    predictor, fixed = task.predictor, task.fixed
+    plain, predictor = predictor, predictor.with_intermittent_errors([*fixed, *effects])
+    task = _FitTask(predictor, fixed, ParameterVector(effects))
+    start, derivatives = _minimised(task)
     fitted_residual, final, position = task.residuals[start.tobytes()], *task.at(start)
     observed = predictor.observed
     vector = fitted_residual.vector(observed.fitted)
@@ -141,7 +101,7 @@ def _completed(plain: Predictor, task: "_FitTask", start: FloatArray, derivative
         derivatives / np.sqrt(_missing_effect_variance(square, len(vector), observed.correlation_length)),
         position[task.free],
     )
-    predictor = task.predictor.with_nuisances_at(position)
+    predictor = predictor.with_nuisances_at(position)
     if len(task.held_out):
         position = fit_held_out_nuisances(predictor, [*fixed, *final], fitted_residual, task.held_out)
         predictor = predictor.with_nuisances_at(position)
@@ -164,16 +124,8 @@ def _completed(plain: Predictor, task: "_FitTask", start: FloatArray, derivative
     )
 
 
-def _minimised(
-    task: "_FitTask", is_hopeless: Callable[[float, float], bool] | None = None
-) -> tuple[FloatArray, FloatArray]:
-    """Return the position of the minimum, and the derivatives of the data's residuals there.
-
-    Raises
-    ------
-    _HopelessFitError
-        If mean square and predicted share of a gain are hopeless.
-    """
+def _minimised(task: "_FitTask") -> tuple[FloatArray, FloatArray]:
+    """Return the position of the minimum, and the derivatives of the data's residuals there."""
     parameters, free = task.parameters, np.ones(len(task.free))
     start = np.concatenate([parameters.start, task.predictor.position[task.free]])
     if not len(start):
@@ -182,9 +134,7 @@ def _minimised(
     low = np.concatenate([parameters.low, -NUISANCE.max_deviation * free])
     high = np.concatenate([parameters.high, NUISANCE.max_deviation * free])
     minimum = BoundedGaussNewton(task.vector, task.derivatives, start, (low, high))
-    minimum.minimise(evaluations=FIT.max_evaluations, tolerance=FIT.coarse_tolerance, is_hopeless=is_hopeless)
-    if minimum.hopeless:
-        raise _HopelessFitError
+    minimum.minimise(evaluations=FIT.max_evaluations, tolerance=FIT.coarse_tolerance)
     if float(minimum.vector @ minimum.vector) < FIT.near_noise * len(minimum.vector):
         minimum.minimise(evaluations=FIT.max_evaluations, tolerance=FIT.tolerance)
     return minimum.position, minimum.jacobian[: len(minimum.vector) - len(task.free)]

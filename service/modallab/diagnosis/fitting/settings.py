@@ -41,17 +41,6 @@ class FitSettings(Settings):
     near_noise: float = setting(
         2.0, doc="mean square of the residuals below which a fit is worth finishing", tuned=TESTS
     )
-    hopeless_share: float = setting(
-        0.1,
-        doc="gain of a step of one standard deviation of tolerances below which they leave most of the cost",
-        derived="the largest distance within their bounds is six such steps, of which the first gains most: "
-        "four tenths of the cost remain",
-    )
-    hopeless_mean_square: float = setting(
-        10.0,
-        doc="mean square of the residuals above which a fit of tolerances that gains little is given up",
-        derived="four tenths of it are twice what is nearly noise",
-    )
     missing_effect_data: float = setting(
         50.0,
         unit="independent data",

@@ -34,7 +34,6 @@ class BoundedGaussNewton:
         self._function, self._differentiate = function, differentiate
         self._low, self._high = bounds
         self.position = start.clip(*bounds)
-        self.hopeless = False
         self.vector = function(self.position)
         self._renew()
 
@@ -43,14 +42,7 @@ class BoundedGaussNewton:
         self._metric = self.jacobian.T @ self.jacobian
         self._fresh = True
 
-    def minimise(
-        self,
-        *,
-        evaluations: int,
-        tolerance: float,
-        weights: FloatArray | None = None,
-        is_hopeless: Callable[[float, float], bool] | None = None,
-    ) -> None:
+    def minimise(self, *, evaluations: int, tolerance: float, weights: FloatArray | None = None) -> None:
         """Take steps until one predicts a gain below `tolerance`, in squared standard deviations.
 
         Parameters
@@ -59,10 +51,6 @@ class BoundedGaussNewton:
             Largest number of steps.
         weights
             (n_data,) of the residuals; all 1 if none are given.
-        is_hopeless
-            Whether to give up, by the mean square of the residuals and the predicted share of the cost that
-            a step within at least the first trust region gains by fresh derivatives; `hopeless` is then
-            true.
         """
         trust_radius, last_gain = LEAST_SQUARES.first_step, np.inf
         for _ in range(evaluations):
@@ -74,10 +62,6 @@ class BoundedGaussNewton:
             cost = self._cost(self.vector, weights)
             if not predicted_gain > tolerance * max(1.0, cost / len(self.vector)):
                 return
-            if is_hopeless is not None and self._fresh and trust_radius >= LEAST_SQUARES.first_step:
-                self.hopeless = is_hopeless(cost / len(self.vector), predicted_gain / cost)
-                if self.hopeless:
-                    return
             target = (self.position + step).clip(self._low, self._high)
             vector = self._evaluate(target)
             gain = -np.inf if vector is None else cost - self._cost(vector, weights)

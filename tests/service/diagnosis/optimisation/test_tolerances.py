@@ -6,9 +6,8 @@ import pytest
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
-from modallab.core.place import Members
 from modallab.diagnosis.fitting.coarse_fit import coarse_fit
-from modallab.diagnosis.fitting.fit import Fit, fit, promising_fit
+from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.optimisation.nuisances import Nuisances, draw_positions, nuisance_parameters
 from modallab.diagnosis.optimisation.settings import NUISANCE
 from modallab.diagnosis.optimisation.tolerances import TolerancePreset, Tolerances
@@ -139,22 +138,6 @@ def test_a_test_within_tolerances_misses_nothing(roving: bool, seed: int) -> Non
     assert not is_noise_only(predictor, fit(predictor, ()))  # without tolerances much is
     predictor = predictor.with_nuisances(nuisance_parameters(ALL, assemble(model()), setup))
     assert is_noise_only(predictor, fit(predictor, ()))
-
-
-def test_a_fit_of_tolerances_far_from_random_error_is_given_up_early() -> None:
-    setup = rig()
-    near, _ = allowing(setup, off(3))
-    whole, found = fit(near, ()), promising_fit(near)
-    assert found is not None
-    np.testing.assert_array_equal(found.nuisance_position, whole.nuisance_position)
-    assert found.chi_square == whole.chi_square
-    far, _ = allowing(setup, off(3), (StiffnessError(Members((3,)), 0.8),))
-    assert fit(far, ()).residual.gap(far.observed.fitted) > 10
-    before = far.budget.spent
-    assert promising_fit(far) is None
-    early = far.budget.spent - before
-    fit(far, ())
-    assert early < (far.budget.spent - before - early) / 2
 
 
 def test_what_belongs_to_a_held_out_channel_is_read_off_that_channel() -> None:
