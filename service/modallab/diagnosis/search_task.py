@@ -22,7 +22,7 @@ from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.searching.acceptance import is_noise_only, unexplained_parts
 from modallab.diagnosis.searching.search import search
 from modallab.diagnosis.searching.search_path import SearchPath
-from modallab.diagnosis.searching.search_round import Suspects
+from modallab.diagnosis.searching.search_round import Suspects, fit_candidates
 from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.fe.damping import UnknownDamping
 from modallab.fe.structure import Structure
@@ -83,13 +83,14 @@ class SearchTask:
         if is_noise_only(second.predictor, second.path.fit):
             return second, assumed
         # A search for one effect that explains nothing ends before half of its progress.
-        found = self._search_from(first, 1, pulse)
+        single_effects = self._first_round(first, part(pulse, 0.05, 0.25))
+        found = self._search_from(first, 1, pulse, single_effects)
         if "frf" not in found.unexplained_parts:
             return found, None
         alone = fit(second.predictor, found.path.fit.effects)
         if not is_noise_only(second.predictor, alone) and self.max_effects > 1:
             first.predictor.budget.limit_to(BUDGET.first_search)
-            found = self._search_from(first, self.max_effects, part(pulse, 0.5, 0.75))
+            found = self._search_from(first, self.max_effects, part(pulse, 0.5, 0.75), single_effects)
             if "frf" not in found.unexplained_parts:
                 return found, None
         return self._search_from(second, self.max_effects, part(pulse, 0.75, 1.0)), assumed
@@ -101,13 +102,33 @@ class SearchTask:
         )
         return SearchResult(predictor, SearchPath(unexplained), unmeasured)
 
-    def _search_from(self, start: SearchResult, max_effects: int, progress: Progress) -> SearchResult:
+    def _first_round(self, start: SearchResult, progress: Progress) -> list[Fit]:
+        """Return the fits of single effects, best first."""
+        return fit_candidates(
+            start.predictor, start.path.start, self._suspects(start.predictor), progress=progress
+        )
+
+    def _search_from(
+        self,
+        start: SearchResult,
+        max_effects: int,
+        progress: Progress,
+        first_round: Sequence[Fit] | None = None,
+    ) -> SearchResult:
         """Return the result of a search from the fit without any effect."""
-        predictor = start.predictor
-        least_suspicion = DIAGNOSIS.least_suspicion if self.suspects is None else 0.0
-        candidates = Suspects(suspected(predictor, self.suspects), least_suspicion)
-        path = search(predictor, start.path.start, candidates, max_effects=max_effects, progress=progress)
+        path = search(
+            start.predictor,
+            start.path.start,
+            self._suspects(start.predictor),
+            max_effects=max_effects,
+            progress=progress,
+            first_round=first_round,
+        )
         return replace(start, path=path)
+
+    def _suspects(self, predictor: Predictor) -> Suspects:
+        least_suspicion = DIAGNOSIS.least_suspicion if self.suspects is None else 0.0
+        return Suspects(suspected(predictor, self.suspects), least_suspicion)
 
 
 def suspected(predictor: Predictor, kinds: Sequence[str] | None) -> list[Effect]:

@@ -19,6 +19,7 @@ from modallab.diagnosis.residuals.free_levels import at_level_of, with_levels_de
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.predicted import Predicted, VarianceRatios
 from modallab.diagnosis.residuals.residual import Residual, residual
+from modallab.diagnosis.residuals.white_noise import WhiteNoise
 from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.modes import ModalBasis
 from modallab.fe.structure import Structure
@@ -217,9 +218,18 @@ class SingleTestPredictor:
             lines_correlated=leaking or intermittent or excitation.transient is not None,
         ).at(self.lines)
 
-    def _expected(self, measuring_chain: Chain, kernel: LeakageKernel | None = None) -> Predicted:
-        """Return the expected spectra of a chain, without variances."""
-        return Predicted.of(self.observed.with_levels(expected_spectra(measuring_chain, kernel, self.lines)))
+    def _expected(
+        self, measuring_chain: Chain, kernel: LeakageKernel | None = None, noise: WhiteNoise | None = None
+    ) -> Predicted:
+        """Return the expected spectra of a chain, without variances.
+
+        Parameters
+        ----------
+        noise
+            Of a chain very much like it, from which the fit of free levels starts.
+        """
+        spectra = expected_spectra(measuring_chain, kernel, self.lines)
+        return Predicted.of(self.observed.with_levels(spectra, start=noise))
 
     def residual(self, effects: Sequence[Effect]) -> Residual:
         """Return the whitened residual of the prediction at every line."""
@@ -250,9 +260,11 @@ class SingleTestPredictor:
     def linearisation_at(self, effects: Sequence[Effect]) -> Callable[[Sequence[Effect]], Predicted]:
         """Return predictions near some effects for derivatives: leakage on one thin grid for all."""
         kernel, motion = derivative_kernel(base := self.chain(effects)), base.local_rms
+        levels, spectra = self.observed.free_levels, expected_spectra(base, kernel, self.lines)
+        noise = levels.fitted_noise(levels.with_source(spectra, self.observed), self.observed)
 
         def predict(perturbed: Sequence[Effect]) -> Predicted:
-            return self._expected(self.chain(perturbed, initial_rms=motion), kernel)
+            return self._expected(self.chain(perturbed, initial_rms=motion), kernel, noise)
 
         return predict
 

@@ -10,11 +10,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.interpolate import BSpline
 
-from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.numerics import COHERENCE_ROUNDING, SAFE_DIVISOR
-from modallab.diagnosis.residuals.settings import FREE_LEVELS
+from modallab.diagnosis.residuals.source_power import force_spectra
 from modallab.diagnosis.residuals.white_noise import NoiseData, WhiteNoise, fit_white_noise
 from modallab.estimation.settings import FORCE_NOISE
 from modallab.estimation.spectra import CrossSpectra
@@ -56,7 +55,12 @@ class FreeLevels:
         return self.force_noise or self.response_noise
 
     def fitted(
-        self, spectra: CrossSpectra, observed: "Observed", lines: IntArray | None = None
+        self,
+        spectra: CrossSpectra,
+        observed: "Observed",
+        lines: IntArray | None = None,
+        *,
+        start: WhiteNoise | None = None,
     ) -> CrossSpectra:
         """Return expected spectra with the levels that fit the measured ones best.
 
@@ -66,69 +70,35 @@ class FreeLevels:
             For the levels of the log book; of what is open, none.
         lines
             (n,) indices of the measured lines among those of the spectra; None: all.
+        start
+            Noise of a prediction very much like this one, if it is known.
         """
         if not (self.source or self.noise):
             return spectra
-        if self.source:
-            spectra = self._with_source(spectra, observed, lines)
-        levels = self.fitted_noise(spectra, observed, lines)
+        spectra = self.with_source(spectra, observed, lines)
+        levels = self.fitted_noise(spectra, observed, lines, start=start)
         return spectra if levels is None else _with_noise(spectra, levels)
 
-    def _with_source(
-        self, spectra: CrossSpectra, observed: "Observed", lines: IntArray | None
+    def with_source(
+        self, spectra: CrossSpectra, observed: "Observed", lines: IntArray | None = None
     ) -> CrossSpectra:
-        """Return the spectra with the power of each source, as a smooth factor on what is expected.
-
-        Sources whose shape is open may have anything in common: their forces are correlated as measured.
-        """
-        if observed.force is None:
-            return spectra
-        at_lines = spectra if lines is None else spectra.at(lines)
-        basis = self._basis(observed.freq, observed.freq)
-        n_run, n_in = spectra.ff.shape[0], spectra.ff.shape[2]
-        expected = _force_spectra(at_lines).swapaxes(0, 1).reshape(len(at_lines.freq), -1)
-        mask = _lines_of_forces(observed, expected.shape[1])
-        variance = np.broadcast_to(observed.force_variance, expected.shape)
-        power = np.ones((n_run * n_in, len(spectra.freq)))
-        everywhere = self._basis(spectra.freq, observed.freq)
-        for force in range(len(power)):
-            used = mask[:, force]
-            if not used.any():
-                continue
-            weight = 1 / np.sqrt(variance[used, force])
-            ratio = np.log(observed.force[used, force] / expected[used, force])
-            curve = np.linalg.lstsq(weight[:, None] * basis[used], weight * ratio, rcond=None)[0]
-            power[force] = np.exp(everywhere @ curve)
-        powered = _with_power(spectra, power.reshape(n_run, n_in, -1).swapaxes(1, 2))
-        correlation = observed.force_correlation
-        if correlation is None or not self.shape:
-            return powered
-        size, ff = np.sqrt(_force_spectra(powered)), powered.ff.copy()
-        at = slice(None) if lines is None else lines
-        ff[:, at] = size[:, at, :, None] * correlation * size[:, at, None, :]
-        return _with_forces(powered, ff)
-
-    def _basis(self, freq: FloatArray, measured: FloatArray) -> FloatArray:
-        """Return the functions (n_freq, n) whose sum is the logarithm of the source's power.
-
-        Cubic B-splines over the measured lines, constant beyond; one constant if the shape is declared.
-        """
-        n = min(FREE_LEVELS.max_functions, len(measured) // FREE_LEVELS.lines_per_function)
-        if not self.shape or n < FREE_LEVELS.min_functions:
-            return np.ones((len(freq), 1))
-        low, high = float(measured[measured > 0][0]), float(measured[-1])
-        inner = np.linspace(low, high, n - 2)
-        knots = np.concatenate([[low] * 3, inner, [high] * 3])
-        return np.asarray(BSpline.design_matrix(np.clip(freq, low, high), knots, 3).toarray())
+        """Return expected spectra with the power of the sources that fits the measured ones best."""
+        power = observed.source_power if self.source else None
+        return spectra if power is None else power.applied(spectra, lines)
 
     def fitted_noise(
-        self, spectra: CrossSpectra, observed: "Observed", lines: IntArray | None = None
+        self,
+        spectra: CrossSpectra,
+        observed: "Observed",
+        lines: IntArray | None = None,
+        *,
+        start: WhiteNoise | None = None,
     ) -> WhiteNoise | None:
         """Return the noise that fits the measured incoherent spectra best; None if none is open or told.
 
         Parameters
         ----------
-        spectra, lines
+        spectra, lines, start
             As in `fitted`, with the level of the source.
         """
         if not self.noise:
@@ -153,50 +123,17 @@ class FreeLevels:
             ),
             force_noise=self.force_noise,
             response_noise=self.response_noise,
+            start=start,
         )
 
 
 ALL_DECLARED = FreeLevels()
 
 
-def _force_spectra(spectra: CrossSpectra) -> FloatArray:
-    """Return the auto spectra of the forces, (n_run, n_freq, n_in)."""
-    own = np.arange(spectra.ff.shape[2])
-    return spectra.ff[..., own, own].real
-
-
-def _with_power(spectra: CrossSpectra, power: FloatArray) -> CrossSpectra:
-    """Return spectra with the power of each force changed by a factor, H1 and multiple coherence as before.
-
-    Parameters
-    ----------
-    power
-        (n_run, n_freq, n_in).
-    """
-    if power.shape[2] == 1:
-        return replace(
-            spectra,
-            ff=spectra.ff * power[..., None],
-            fx=spectra.fx * power[..., None],
-            xx=spectra.xx * power,
-        )
-    root = np.sqrt(power)
-    return _with_forces(spectra, root[..., :, None] * spectra.ff * root[..., None, :])
-
-
-def _with_forces(spectra: CrossSpectra, ff: ComplexArray) -> CrossSpectra:
-    """Return spectra with other forces (n_run, n_freq, n_in, n_in), H1 and multiple coherence as before."""
-    h = np.linalg.solve(spectra.ff, spectra.fx)
-    fx = ff @ h
-    before, after = ((part.conj() * h).sum(axis=2).real for part in (spectra.fx, fx))
-    ratio = np.where(before > 0, after, 1.0) / np.where(before > 0, before, 1.0)
-    return replace(spectra, ff=ff, fx=fx, xx=spectra.xx * ratio)
-
-
 def _coherent_parts(spectra: CrossSpectra) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return forces and squared FRFs by response, (n_freq, n_run n_out, n_in), and the responses to them."""
     n_run, n_freq, n_in, n_out = spectra.fx.shape
-    force = np.repeat(_force_spectra(spectra).swapaxes(0, 1), n_out, axis=1)
+    force = np.repeat(force_spectra(spectra).swapaxes(0, 1), n_out, axis=1)
     if n_in == 1:
         cross = spectra.fx[:, :, 0].swapaxes(0, 1).reshape(n_freq, -1)
         coherent = np.abs(cross) ** 2 / force[..., 0]
@@ -205,12 +142,6 @@ def _coherent_parts(spectra: CrossSpectra) -> tuple[FloatArray, FloatArray, Floa
     coherent = (spectra.fx.conj() * h).sum(axis=2).real.swapaxes(0, 1).reshape(n_freq, -1)
     gain = (np.abs(h) ** 2).transpose(1, 0, 3, 2).reshape(n_freq, n_run * n_out, n_in)
     return force, gain, coherent
-
-
-def _lines_of_forces(observed: "Observed", n_force: int) -> BoolArray:
-    """Return the lines (n_freq, n_force) that a source is fitted at."""
-    usable = observed.usable & ~observed.held_out_lines[:, None]
-    return np.asarray(usable.reshape(len(usable), n_force, -1).any(axis=2))
 
 
 def _incoherent(observed: "Observed", force: FloatArray) -> tuple[FloatArray | None, FloatArray | None]:

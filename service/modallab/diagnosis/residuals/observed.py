@@ -27,6 +27,8 @@ from modallab.diagnosis.residuals.random_error import (
     weak_line_factor,
 )
 from modallab.diagnosis.residuals.settings import RANDOM_ERROR
+from modallab.diagnosis.residuals.source_power import SourcePower
+from modallab.diagnosis.residuals.white_noise import WhiteNoise
 from modallab.estimation.line_scatter import Estimate
 from modallab.estimation.settings import FORCE_NOISE
 from modallab.estimation.spectra import CrossSpectra
@@ -138,15 +140,24 @@ class Observed:
             incoherent_variance=None if incoherent is None else incoherent * ratios.response,
         )
 
-    def with_levels(self, spectra: CrossSpectra, lines: IntArray | None = None) -> CrossSpectra:
+    @cached_property
+    def source_power(self) -> SourcePower | None:
+        """Fits of the power of the sources; None without force spectra."""
+        return SourcePower.of(self)
+
+    def with_levels(
+        self, spectra: CrossSpectra, lines: IntArray | None = None, *, start: WhiteNoise | None = None
+    ) -> CrossSpectra:
         """Return expected spectra with the levels that the log book leaves open, fitted to the measured ones.
 
         Parameters
         ----------
         lines
             (n,) indices of the measured lines among those of the spectra; None: all.
+        start
+            Noise of a prediction very much like this one, if it is known.
         """
-        return self.free_levels.fitted(spectra, self, lines)
+        return self.free_levels.fitted(spectra, self, lines, start=start)
 
     @property
     def level_known(self) -> bool:

@@ -39,12 +39,19 @@ class NoiseData:
     """N^2/Hz, (n_freq, n_out, n_in), these forces without noise."""
 
 
-def fit_white_noise(data: NoiseData, *, force_noise: bool, response_noise: bool) -> WhiteNoise:
+def fit_white_noise(
+    data: NoiseData, *, force_noise: bool, response_noise: bool, start: WhiteNoise | None = None
+) -> WhiteNoise:
     """Return the noise that fits incoherent spectra best, by least squares of their logarithms.
 
     With N of the force and P of a response the incoherent spectrum is I + P + |H|^2 G_ff N / (G_ff + N),
     I its part without noise; of several forces the sum, as if they were uncorrelated. The logarithms of all
     levels are fitted by damped Gauss-Newton steps, those of the responses eliminated by the Schur complement.
+
+    Parameters
+    ----------
+    start
+        Noise of a prediction very much like this one; None: the start is found in the spectra.
     """
     n_out = data.measured.shape[1]
     used = data.weight > 0
@@ -52,10 +59,11 @@ def fit_white_noise(data: NoiseData, *, force_noise: bool, response_noise: bool)
     force_floor = FREE_LEVELS.least_noise * float(np.median(data.force)) + SAFE_SQUARED_DIVISOR
     response, force = np.zeros(n_out), 0.0
     if response_noise:
-        response = np.maximum(_low(data.measured, used), floor)
+        first = _low(data.measured, used) if start is None else start.response
+        response = np.maximum(first, floor)
     if force_noise:
-        per_force = data.measured / np.maximum(data.gain.sum(axis=2), SAFE_DIVISOR)
-        force = max(float(_low(per_force, used & data.fitted).min()), force_floor)
+        lowest = _low_per_force(data, used) if start is None else start.force
+        force = max(lowest, force_floor)
     fit = _Fit(data, free=(force_noise, response_noise))
     cost, (steps_force, steps_response) = fit.steps(force, response)
     for _ in range(FREE_LEVELS.max_iterations):
@@ -76,6 +84,11 @@ def fit_white_noise(data: NoiseData, *, force_noise: bool, response_noise: bool)
         if gain_of_step <= FREE_LEVELS.tolerance * cost:
             break
     return WhiteNoise(force, response)
+
+
+def _low_per_force(data: NoiseData, used: BoolArray) -> float:
+    per_force = data.measured / np.maximum(data.gain.sum(axis=2), SAFE_DIVISOR)
+    return float(_low(per_force, used & data.fitted).min())
 
 
 def _low(values: FloatArray, used: BoolArray) -> FloatArray:

@@ -11,11 +11,17 @@ from modallab.diagnosis.searching.acceptance import is_noise_only, is_significan
 from modallab.diagnosis.searching.multiple_elements import multiple_elements, verify
 from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, kind_and_place, refine_path
 from modallab.diagnosis.searching.search_round import Suspects, fit_candidates
-from modallab.diagnosis.searching.settings import ACCEPTANCE, SEARCH
+from modallab.diagnosis.searching.settings import ACCEPTANCE, ROUND, SEARCH
 
 
 def search(
-    predictor: Predictor, start: Fit, suspects: Suspects, *, max_effects: int, progress: Progress
+    predictor: Predictor,
+    start: Fit,
+    suspects: Suspects,
+    *,
+    max_effects: int,
+    progress: Progress,
+    first_round: Sequence[Fit] | None = None,
 ) -> SearchPath:
     """Return the effects that explain the measurement, each of them significant.
 
@@ -27,11 +33,15 @@ def search(
     ----------
     start
         The fit without any effect.
+    first_round
+        The fits of single effects by `fit_candidates`, if they are known.
     """
     if is_noise_only(predictor, start):
         return SearchPath(start)
     progress(0.05, f"gap {start.residual.gap(predictor.observed.fitted):.3g}")
-    first = fit_candidates(predictor, start, suspects, progress=part(progress, 0.05, 0.25))
+    first = first_round
+    if first is None:
+        first = fit_candidates(predictor, start, suspects, progress=part(progress, 0.05, 0.25))
     elements = None
     if first and not is_noise_only(predictor, first[0]):
         stage = part(progress, 0.25, 0.3)
@@ -68,6 +78,8 @@ def _branches(
     paths: list[SearchPath] = []
     branches = islice(significant_fits(predictor, start, first), SEARCH.max_branches)
     for i, (candidate, round_fits) in enumerate(branches):
+        if paths and candidate.chi_square > ROUND.competitive_cost * first[0].chi_square:
+            break
         name = kind_and_place(candidate.effects[-1])
         if any(name == step.kind_and_place for path in paths for step in path.steps):
             continue

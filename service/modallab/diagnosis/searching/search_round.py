@@ -93,7 +93,9 @@ class _Round:
         best = _worth_fitting(self._candidates.values())
         for i, (cost, effect) in enumerate(best):
             progress(0.75 + 0.25 * i / len(best), f"fitting {effect.kind}")
-            hopeless = cost > self._max_cost and (len(self.fits) >= ROUND.min_fits or effect.intermittent)
+            enough = len(self.fits) >= ROUND.min_fits
+            hopeless = cost > self._max_cost and (enough or effect.intermittent)
+            hopeless |= enough and not self._is_competitive(cost)
             given_up = self._predictor.budget.exhausted and len(self.fits) > 0
             if not hopeless and not given_up:
                 self._fit(cost, effect)
@@ -135,7 +137,12 @@ class _Round:
                         with suppress(InvalidInputError):
                             inflation = LOSS.noise_inflations[1]
                             near, cost = coarse_fit(self._coarse, self._accepted, effect, inflation)
-                            self._fit(cost, near)
+                            if self._is_competitive(cost):
+                                self._fit(cost, near)
+
+    def _is_competitive(self, cost: float) -> bool:
+        """Return whether the cost of a coarse fit is not far above that of the best one."""
+        return cost < ROUND.competitive_cost * min(least for least, _ in self._candidates.values())
 
     def _best_kinds(self) -> list[str]:
         """Return the kinds of the best fits of effects of the structure."""

@@ -189,6 +189,11 @@ class RoundSettings(Settings):
     kinds_at_neighbours: int = setting(
         2, unit="kinds", doc="kinds of effects that are fitted at adjoining places too", tuned=TESTS
     )
+    competitive_cost: float = setting(
+        10.0,
+        doc="cost over that of the best effect above which another is neither fitted nor followed",
+        tuned=TESTS,
+    )
     linear_share: float = setting(
         0.6, doc="share of a round's progress before nonlinear forces", tuned="CPU time of simulated tests"
     )
