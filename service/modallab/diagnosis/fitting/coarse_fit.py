@@ -47,6 +47,7 @@ def coarse_fit(
         amounts.minimise(
             evaluations=FIT.coarse_evaluations,
             tolerance=FIT.coarse_tolerance,
+            excess_share=FIT.excess_share,
             weights=task.weights(stages[0]),
         )
         start = amounts.position
@@ -55,6 +56,7 @@ def coarse_fit(
         fit.minimise(
             evaluations=FIT.coarse_evaluations,
             tolerance=FIT.coarse_tolerance,
+            excess_share=FIT.excess_share,
             weights=task.weights(stage),
         )
     return task.parameters.with_values(fit.position[:n])[0], float(fit.vector @ fit.vector)

@@ -134,7 +134,9 @@ def _minimised(task: "_FitTask") -> tuple[FloatArray, FloatArray]:
     low = np.concatenate([parameters.low, -NUISANCE.max_deviation * free])
     high = np.concatenate([parameters.high, NUISANCE.max_deviation * free])
     minimum = BoundedGaussNewton(task.vector, task.derivatives, start, (low, high))
-    minimum.minimise(evaluations=FIT.max_evaluations, tolerance=FIT.coarse_tolerance)
+    minimum.minimise(
+        evaluations=FIT.max_evaluations, tolerance=FIT.coarse_tolerance, excess_share=FIT.excess_share
+    )
     if float(minimum.vector @ minimum.vector) < FIT.near_noise * len(minimum.vector):
         minimum.minimise(evaluations=FIT.max_evaluations, tolerance=FIT.tolerance)
     return minimum.position, minimum.jacobian[: len(minimum.vector) - len(task.free)]

@@ -17,6 +17,11 @@ class FitSettings(Settings):
         doc="predicted gain at which a coarse fit, or a fit far from the data, ends",
         derived="a tenth of a standard error",
     )
+    excess_share: float = setting(
+        1e-3,
+        doc="predicted gain at which a fit that leaves more than noise ends, over what it leaves",
+        derived="far below what tells one effect from another; where only noise is left it is zero",
+    )
     tolerance: float = setting(
         1e-4,
         unit="squared standard errors",

@@ -42,13 +42,22 @@ class BoundedGaussNewton:
         self._metric = self.jacobian.T @ self.jacobian
         self._fresh = True
 
-    def minimise(self, *, evaluations: int, tolerance: float, weights: FloatArray | None = None) -> None:
+    def minimise(
+        self,
+        *,
+        evaluations: int,
+        tolerance: float,
+        excess_share: float = 0.0,
+        weights: FloatArray | None = None,
+    ) -> None:
         """Take steps until one predicts a gain below `tolerance`, in squared standard deviations.
 
         Parameters
         ----------
         evaluations
             Largest number of steps.
+        excess_share
+            Share of the excess of the cost over that of noise, by which a step has to gain more.
         weights
             (n_data,) of the residuals; all 1 if none are given.
         """
@@ -60,7 +69,10 @@ class BoundedGaussNewton:
                 step, predicted_gain = self._step(trust_radius, weights)
             last_gain = predicted_gain
             cost = self._cost(self.vector, weights)
-            if not predicted_gain > tolerance * max(1.0, cost / len(self.vector)):
+            n_data = len(self.vector)
+            if not predicted_gain > tolerance * max(1.0, cost / n_data) + excess_share * max(
+                cost - n_data, 0
+            ):
                 return
             target = (self.position + step).clip(self._low, self._high)
             vector = self._evaluate(target)

@@ -14,6 +14,7 @@ from modallab.diagnosis.optimisation.settings import NUISANCE
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.diagnosis.residuals.residual import inflation_weights, residual
+from modallab.diagnosis.residuals.white_noise import WhiteNoise
 from modallab.rig.effect import Effect
 
 if TYPE_CHECKING:
@@ -112,10 +113,12 @@ class _CorrectedSpectra:
     h: ComplexArray
     force: FloatArray
     incoherent: FloatArray
+    noise: WhiteNoise | None
+    """Noise without the addition, from which fits of free levels start."""
 
     def predict(self, effects: Sequence[Effect]) -> Predicted:
         """Return the expected spectra at every `step`-th line with all these effects."""
-        coarse = self.predictor.coarse(effects)
+        coarse = self.predictor.coarse(effects, self.noise)
         return Predicted(
             coarse.h * self.h,
             coarse.coherence,
@@ -126,12 +129,14 @@ class _CorrectedSpectra:
 
 def coarse_prediction(predictor: "SingleTestPredictor", base: Sequence[Effect]) -> CoarsePrediction:
     """Return coarse predictions of additions to base effects, exact without an addition."""
-    exact, coarse = predictor.predict(base), predictor.coarse(base)
+    noise = predictor.coarse_noise(base)
+    exact, coarse = predictor.predict(base), predictor.coarse(base, noise)
     lines = predictor.coarse_places
     spectra = _CorrectedSpectra(
         predictor,
         exact.h[lines] / coarse.h,
         exact.force[lines] / coarse.force,
         exact.incoherent[lines] / coarse.incoherent,
+        noise,
     )
     return CoarsePrediction(predictor, base, predictor.observed.at(lines), spectra.predict)

@@ -260,8 +260,7 @@ class SingleTestPredictor:
     def linearisation_at(self, effects: Sequence[Effect]) -> Callable[[Sequence[Effect]], Predicted]:
         """Return predictions near some effects for derivatives: leakage on one thin grid for all."""
         kernel, motion = derivative_kernel(base := self.chain(effects)), base.local_rms
-        levels, spectra = self.observed.free_levels, expected_spectra(base, kernel, self.lines)
-        noise = levels.fitted_noise(levels.with_source(spectra, self.observed), self.observed)
+        noise = self.observed.white_noise(expected_spectra(base, kernel, self.lines))
 
         def predict(perturbed: Sequence[Effect]) -> Predicted:
             return self._expected(self.chain(perturbed, initial_rms=motion), kernel, noise)
@@ -273,12 +272,27 @@ class SingleTestPredictor:
         system = self.model.deviating_system.scaled(stiffness=(1 + shift) ** 2)
         return self._expected(chain(system, self.setup, self._acting(self._in_this_test(effects))))
 
-    def coarse(self, effects: Sequence[Effect]) -> Predicted:
-        """Return the expected spectra at every `step`-th line, leakage on a coarse grid."""
+    def coarse(self, effects: Sequence[Effect], noise: WhiteNoise | None = None) -> Predicted:
+        """Return the expected spectra at every `step`-th line, leakage on a coarse grid.
+
+        Parameters
+        ----------
+        noise
+            Of a prediction like this one, from which the fit of free levels starts.
+        """
+        return Predicted.of(self._coarse_observed.with_levels(self._coarse_spectra(effects), start=noise))
+
+    def coarse_noise(self, effects: Sequence[Effect]) -> WhiteNoise | None:
+        """Return the noise of a coarse prediction; None if none is open."""
+        return self._coarse_observed.white_noise(self._coarse_spectra(effects))
+
+    @cached_property
+    def _coarse_observed(self) -> Observed:
+        return self.observed if self.planned else self.observed.at(self.coarse_places)
+
+    def _coarse_spectra(self, effects: Sequence[Effect]) -> CrossSpectra:
         coarse_chain = self.chain(effects, same_in_all_runs=True)
-        spectra = coarse_spectra(coarse_chain, self.step, self.coarse_lines)
-        observed = self.observed if self.planned else self.observed.at(self.coarse_places)
-        return Predicted.of(observed.with_levels(spectra))
+        return coarse_spectra(coarse_chain, self.step, self.coarse_lines)
 
     def coarse_prediction(self, effects: Sequence[Effect]) -> CoarsePrediction:
         """Return coarse predictions of additions to some effects."""

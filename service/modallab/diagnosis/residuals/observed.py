@@ -159,6 +159,11 @@ class Observed:
         """
         return self.free_levels.fitted(spectra, self, lines, start=start)
 
+    def white_noise(self, spectra: CrossSpectra) -> WhiteNoise | None:
+        """Return the noise that the log book leaves open, fitted beside expected spectra; None without it."""
+        levels = self.free_levels
+        return levels.fitted_noise(levels.with_source(spectra, self), self) if levels.noise else None
+
     @property
     def level_known(self) -> bool:
         """Whether log book or force spectrum tell the level of the source."""
