@@ -19,10 +19,11 @@ from modallab.diagnosis.predicting.settings import BUDGET
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.frf_selection import FrfSelection
 from modallab.diagnosis.residuals.observed import observe
-from modallab.diagnosis.searching.acceptance import is_noise_only, unexplained_parts
+from modallab.diagnosis.searching.acceptance import is_noise_only, ranked_by_bic, unexplained_parts
 from modallab.diagnosis.searching.search import search
 from modallab.diagnosis.searching.search_path import SearchPath
 from modallab.diagnosis.searching.search_round import Suspects, fit_candidates
+from modallab.diagnosis.searching.settings import ROUND
 from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.fe.damping import UnknownDamping
 from modallab.fe.structure import Structure
@@ -93,7 +94,8 @@ class SearchTask:
             found = self._search_from(first, self.max_effects, part(pulse, 0.5, 0.75), single_effects)
             if "frf" not in found.unexplained_parts:
                 return found, None
-        return self._search_from(second, self.max_effects, part(pulse, 0.75, 1.0)), assumed
+        refitted = self._refitted(single_effects, second)
+        return self._search_from(second, self.max_effects, part(pulse, 0.75, 1.0), refitted), assumed
 
     def _start(self, tolerances: Tolerances, pulse: Pulse) -> SearchResult:
         """Return the fit under tolerances without any effect."""
@@ -107,6 +109,19 @@ class SearchTask:
         return fit_candidates(
             start.predictor, start.path.start, self._suspects(start.predictor), progress=progress
         )
+
+    @staticmethod
+    def _refitted(fits: Sequence[Fit], second: SearchResult) -> list[Fit] | None:
+        """Return fits of single effects under the second tolerances; None if none closes most of the gap.
+
+        Tolerances can hide which effect is the largest only where they explain as much as it does.
+        """
+        if not fits or ROUND.competitive_cost * fits[0].chi_square > second.path.fit.chi_square:
+            return None
+        limit = ROUND.competitive_cost * fits[0].chi_square
+        competitive = [one for i, one in enumerate(fits) if i < ROUND.min_fits or one.chi_square < limit]
+        predictor = second.predictor.with_nuisances_at(second.path.fit.starting_position)
+        return ranked_by_bic([fit(predictor, one.effects) for one in competitive])
 
     def _search_from(
         self,
