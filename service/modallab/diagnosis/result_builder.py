@@ -23,9 +23,9 @@ from modallab.diagnosis.result import (
 )
 from modallab.diagnosis.result_curves import DiagnosisCurves, Spectra
 from modallab.diagnosis.searching.acceptance import model_probabilities
+from modallab.diagnosis.searching.equivalent_fits import equivalent_fits, named_fit
 from modallab.diagnosis.searching.search_path import AcceptedEffect
 from modallab.diagnosis.settings import DIAGNOSIS
-from modallab.diagnosis.test_design.proposal import equivalent_fits, named_fit
 from modallab.fe.structure import Structure
 from modallab.rig.effect import Effect
 from modallab.rig.frf_channel import FrfLayout, stands_for_response

@@ -9,6 +9,7 @@ from modallab.core.arrays import BoolArray
 from modallab.core.dof import Dof
 from modallab.core.place import Channels
 from modallab.diagnosis.fitting.fit import Fit, fit
+from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.residual import correlation_lengths, gap_error, gap_errors
@@ -219,9 +220,20 @@ def variance_inflation(predictor: Predictor, best: Fit) -> float:
     return lines * max(1.0, best.chi_square / best.n_data)
 
 
+def incomplete_variance_inflation(predictor: Predictor, best: Fit) -> float:
+    """Return the variance inflation between rivals of which none leaves noise alone.
+
+    What is missing still is a few numbers a resonance: it weighs as much as a few independent data, and
+    which rival comes nearer to it by less than that is chance.
+    """
+    excess = max(0.0, best.chi_square - best.n_data)
+    by_missing_effect = best.correlation_length * excess / FIT.missing_effect_data
+    return max(variance_inflation(predictor, best), by_missing_effect)
+
+
 def model_probabilities(predictor: Predictor, fits: Sequence[Fit]) -> list[float]:
     """Return the probability of each fit among all, by BIC."""
-    scale = variance_inflation(predictor, fits[0])
+    scale = incomplete_variance_inflation(predictor, fits[0])
     bic = np.array(_criteria(fits))
     weight = np.exp(-0.5 * (bic - bic.min()) / scale)
     return [float(w) for w in weight / weight.sum()]

@@ -8,6 +8,7 @@ from modallab.core.progress import Progress, part
 from modallab.diagnosis.fitting.fit import Fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import is_noise_only, is_significant, variance_inflation
+from modallab.diagnosis.searching.equivalent_fits import without_undetermined_effects
 from modallab.diagnosis.searching.multiple_elements import multiple_elements, verify
 from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, kind_and_place, refine_path
 from modallab.diagnosis.searching.search_round import Suspects, fit_candidates
@@ -63,7 +64,7 @@ def search(
         if path.fit.bic < best.fit.bic - margin:
             best = path
     best = _extended(predictor, best, suspects, max_effects, part(progress, 0.75, 0.95))
-    return refine_path(predictor, best)
+    return without_undetermined_effects(predictor, refine_path(predictor, best))
 
 
 def _branches(

@@ -6,9 +6,9 @@ from modallab.core.progress import Progress, part
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.result import NextTest
-from modallab.diagnosis.searching.acceptance import model_probabilities, variance_inflation
+from modallab.diagnosis.searching.acceptance import model_probabilities
+from modallab.diagnosis.searching.equivalent_fits import equivalent_fits, named_fit
 from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath
-from modallab.diagnosis.searching.settings import ACCEPTANCE
 from modallab.diagnosis.test_design.next_test import Explanation, propose
 from modallab.diagnosis.test_design.settings import RIVALS
 from modallab.rig.change import Change
@@ -50,35 +50,6 @@ def _rivals(predictor: Predictor, path: SearchPath) -> Iterator[tuple[float, int
         chosen = named_fit(step)
         for rival in possible_rivals(predictor, step, chosen):
             yield rival.chi_square - chosen.chi_square, names.index(step.kind_and_place), rival
-
-
-def named_fit(step: AcceptedEffect) -> Fit:
-    """Return the fit of a step's round with the effect that was accepted."""
-    last_effects = ((candidate, candidate.effects[-1]) for candidate in step.round_fits)
-    return next(
-        candidate
-        for candidate, effect in last_effects
-        if (effect.kind, str(effect.at)) == step.kind_and_place
-    )
-
-
-def equivalent_fits(predictor: Predictor, step: AcceptedEffect, chosen: Fit) -> list[Fit]:
-    """Return the fits of a step's round that agree with the chosen one in chi-square, within random error.
-
-    Among effects of the structure, and likewise among effects of the rig, only those with the fewest
-    parameters count: an oscillator tuned far above the band has the same effect as a mass, which has fewer.
-    An effect of the structure does not exclude an effect of the rig: the bending stiffness of a stinger has
-    one parameter more than the rotational spring to which it is equivalent.
-    """
-    limit = ACCEPTANCE.equivalence_chi_square * variance_inflation(predictor, step.round_fits[0])
-    pool = [
-        candidate for candidate in step.round_fits if abs(candidate.chi_square - chosen.chi_square) < limit
-    ]
-    fewest = {
-        structural: min(c.n_parameters for c in pool if c.effects[-1].structural == structural)
-        for structural in {c.effects[-1].structural for c in pool}
-    }
-    return [c for c in pool if c is not chosen and c.n_parameters == fewest[c.effects[-1].structural]]
 
 
 def possible_rivals(predictor: Predictor, step: AcceptedEffect, chosen: Fit) -> list[Fit]:
