@@ -39,7 +39,7 @@ class SourcePower:
         weights = np.where(used, 1 / np.sqrt(np.broadcast_to(observed.force_variance, force.shape)), 0.0)
         shape = observed.free_levels.shape
         basis = source_functions(observed.freq, observed.freq, shape=shape)
-        projections = np.linalg.pinv(weights.T[:, :, None] * basis) * weights.T[:, None, :]
+        projections = np.asarray(np.linalg.pinv(weights.T[:, :, None] * basis), float) * weights.T[:, None, :]
         correlation = observed.force_correlation if shape else None
         return cls(observed.freq, np.log(np.where(used, force, 1.0)), used, projections, correlation)
 

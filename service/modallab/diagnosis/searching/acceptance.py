@@ -221,14 +221,16 @@ def variance_inflation(predictor: Predictor, best: Fit) -> float:
 
 
 def incomplete_variance_inflation(predictor: Predictor, best: Fit) -> float:
-    """Return the variance inflation between rivals of which none leaves noise alone.
+    """Return the variance inflation between rivals, also where none of them leaves noise alone.
 
     What is missing still is a few numbers a resonance: it weighs as much as a few independent data, and
     which rival comes nearer to it by less than that is chance.
     """
+    inflation = variance_inflation(predictor, best)
+    if is_noise_only(predictor, best, max_lag=None):
+        return inflation
     excess = max(0.0, best.chi_square - best.n_data)
-    by_missing_effect = best.correlation_length * excess / FIT.missing_effect_data
-    return max(variance_inflation(predictor, best), by_missing_effect)
+    return max(inflation, best.correlation_length * excess / FIT.missing_effect_data)
 
 
 def model_probabilities(predictor: Predictor, fits: Sequence[Fit]) -> list[float]:

@@ -10,6 +10,8 @@ from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.residuals.residual import residual
+from modallab.diagnosis.residuals.source_power import source_functions
+from modallab.diagnosis.residuals.white_noise import WhiteNoise
 from modallab.diagnosis.result import Verdict
 from modallab.diagnosis.search_task import suspected
 from modallab.effects.exciter_armature import ExciterArmature
@@ -59,6 +61,36 @@ def test_fitted_noise_is_that_of_the_channels(roving: bool) -> None:
     # 160 lines of 100 averages: 1 % of a response's level; the force's shows in few of them
     assert noise.force == pytest.approx(FORCE, rel=0.2)
     np.testing.assert_allclose(noise.response, RESPONSE, rtol=0.2)
+
+
+@pytest.mark.parametrize("roving", [True, False])
+def test_fitted_noise_does_not_depend_on_where_its_fit_starts(roving: bool) -> None:
+    predictor = predictor_of(undeclared(measured(declared(roving=roving)), source=False))
+    levels, expected = predictor.observed.free_levels, expected_spectra(predictor.chain(()))
+    noise = levels.fitted_noise(expected, predictor.observed)
+    assert noise is not None
+    near = WhiteNoise(3 * noise.force, noise.response / 2)
+    again = levels.fitted_noise(expected, predictor.observed, start=near)
+    assert again is not None
+    # a fit ends at a relative gain of 1e-13: the square root of that, times the condition of two levels
+    assert again.force == pytest.approx(noise.force, rel=1e-4)
+    np.testing.assert_allclose(again.response, noise.response, rtol=1e-5)
+
+
+def test_the_power_of_a_source_is_the_weighted_least_squares_solution() -> None:
+    predictor = predictor_of(undeclared(measured(declared())))
+    observed, expected = predictor.observed, expected_spectra(predictor.chain(()))
+    assert observed.force is not None
+    powered = observed.free_levels.with_source(expected, observed)
+    basis = source_functions(observed.freq, observed.freq, shape=True)
+    used = observed.usable.any(axis=1) & ~observed.held_out_lines
+    variance = np.broadcast_to(observed.force_variance, observed.force.shape)
+    for run, (before, after) in enumerate(zip(expected.ff, powered.ff, strict=True)):
+        weight = 1 / np.sqrt(variance[used, run])
+        ratio = np.log(observed.force[used, run] / before[used, 0, 0].real)
+        curve = np.linalg.lstsq(weight[:, None] * basis[used], weight * ratio, rcond=None)[0]
+        # solved once by the pseudoinverse, once for each run: rounding alone differs
+        np.testing.assert_allclose(after[:, 0, 0] / before[:, 0, 0], np.exp(basis @ curve), rtol=1e-9)
 
 
 @pytest.mark.parametrize(("kind", "window"), [("periodic_random", "rectangular"), ("random", "hann")])

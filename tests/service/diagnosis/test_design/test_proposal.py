@@ -10,8 +10,9 @@ from modallab.core.place import Members
 from modallab.core.progress import silent
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.searching.equivalent_fits import equivalent_fits
 from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath
-from modallab.diagnosis.test_design.proposal import equivalent_fits, next_test, possible_rivals
+from modallab.diagnosis.test_design.proposal import next_test, possible_rivals
 from modallab.effects.attached_oscillator import AttachedOscillator
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.force_transducer_mass import ForceTransducerMass
