@@ -129,7 +129,7 @@ def _touches(kind: str) -> str:
     changed = touched(kind)
     unchanged = [_NAMES[name] for name in TOUCHABLE if name not in changed]
     sentence = "The effect changes " + _listed([_NAMES[name] for name in changed])
-    return f"{sentence}; it does not change {_listed(unchanged)}." if unchanged else f"{sentence}."
+    return f"{sentence}; it does not change {_listed(unchanged, 'or')}." if unchanged else f"{sentence}."
 
 
 def _listed(terms: Sequence[str], conjunction: str = "and") -> str:

@@ -17,11 +17,12 @@ from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.residual import gap_error
 from modallab.diagnosis.result import Diagnosis, Step, Verdict
 from modallab.diagnosis.result_builder import curves, extended, rivals, step, tolerated
-from modallab.diagnosis.search_task import SearchTask
+from modallab.diagnosis.search_task import SearchResult, SearchTask
 from modallab.diagnosis.searching.search_path import SearchPath
 from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.diagnosis.test_design.proposal import next_test
 from modallab.fe.structure import Structure
+from modallab.rig.change import Change
 from modallab.rig.measurement import Measurement
 
 # Where a gap remains, the missing effect may be none of the rivals.
@@ -131,16 +132,27 @@ def diagnose(
     task = SearchTask(structure, tests, suspects, hold_out_fraction, tuple(hold_out), max_effects, seed)
     pulse = Pulse(progress)
     found, assumed = task.run(tolerances, assumed, pulse)
+    note = _assumption_note(tolerances, assumed)
+    changes = [follow_up.change for follow_up in follow_ups]
     pulse(0.94, "preparing the result")
+    return _result(structure, measurement, found, changes, note, seed, part(pulse, 0.94, 1.0))
+
+
+def _result(
+    structure: Structure,
+    measurement: Measurement,
+    found: SearchResult,
+    changes: Sequence[Change],
+    assumption_note: tuple[str, ...],
+    seed: int,
+    progress: Progress,
+) -> Diagnosis:
+    """Return the diagnosis from the result of a search."""
     predictor, path, explained = found.predictor, found.path, not found.unexplained_parts
     observed, start = predictor.observed, path.start
-    steps = tuple(step(predictor, accepted, path.fit) for accepted in path.steps)
-    verdict = _verdict(predictor, path, steps, explained)
-    factor = INCOMPLETE_PROBABILITY.get(verdict, 1.0)
-    steps = tuple(replace(each, probability=factor * each.probability) for each in steps)
+    verdict, steps = _verdict_and_steps(predictor, path, explained)
     model, log_book = extended(structure, measurement.setup, path.fit.effects)
     residual = path.fit.residual
-    changes = [follow_up.change for follow_up in follow_ups]
     return Diagnosis(
         verdict=verdict,
         located=locate(predictor, collect_evidence(predictor.tests[0], [])),
@@ -152,16 +164,26 @@ def diagnose(
         setup=log_book,
         curves=curves(predictor, measurement, path.fit, found.unmeasured),
         candidates=rivals(predictor, path.steps[0].round_fits) if path.steps else (),
-        next_test=next_test(predictor, path, changes, part(pulse, 0.94, 1.0)),
+        next_test=next_test(predictor, path, changes, progress),
         tolerated=tolerated(predictor, path.fit),
         follow_ups=tuple(change.plain for change in changes),
         seed=seed,
         notes=(
             *limitations(measurement, predictor.tests[0].observed),
-            *_assumption_note(tolerances, assumed),
+            *assumption_note,
             *_budget_note(predictor, explained),
         ),
     )
+
+
+def _verdict_and_steps(
+    predictor: Predictor, path: SearchPath, explained: bool
+) -> tuple[Verdict, tuple[Step, ...]]:
+    """Return the verdict, and the steps with probabilities that the verdict scales."""
+    steps = tuple(step(predictor, accepted, path.fit) for accepted in path.steps)
+    verdict = _verdict(predictor, path, steps, explained)
+    factor = INCOMPLETE_PROBABILITY.get(verdict, 1.0)
+    return verdict, tuple(replace(each, probability=factor * each.probability) for each in steps)
 
 
 def _assumed(structure: Structure, stated: Tolerances) -> Tolerances | None:

@@ -35,7 +35,7 @@ class ErrorCorrelation:
         return self.window.end < 1
 
     def by_separation(self, n: int) -> ComplexArray:
-        """Return the correlation of the errors of two lines that are 0 to n - 1 lines apart, (n,)."""
+        """Return the correlation of the errors of a line and of the line 0 to n - 1 lines below it, (n,)."""
         separation = np.arange(n)
         power = self.window.samples(max(SPECTRUM.window_samples, 2 * n)) ** 2
         correlation = np.fft.fft(power)[:n] / power.sum() * np.exp(2j * np.pi * separation * self.delay)

@@ -117,20 +117,10 @@ def extract(
     responses, bias = responses_read(frf, coherence, averages, leakage=leakage, estimator=estimator)
     if leakage is None:
         responses = replace(responses, correlation=correlation)
-    choice = (
-        default_method(len(responses.references), options)
-        if method is None
-        else MethodChoice(method, f"{method}: as requested")
-    )
-    method, requested = choice.method, options_for(choice.method, options)
-    read = _reader(method, responses, bias, bands=bands, n_modes=n_modes, leakage=leakage)
-    exact = method in GLOBAL_METHODS or EXTRACTION_METHODS[method].exact
-    if requested.damping is None and exact:
-        model = _by_identified_damping_model(read, requested, progress)
-    else:
-        model = read(options=requested, progress=progress)
-        if exact:
-            model = with_contradiction_flags(model, requested.assumed_damping)
+    choice = _method_choice(method, responses, options)
+    requested = options_for(choice.method, options)
+    read = _reader(choice.method, responses, bias, bands=bands, n_modes=n_modes, leakage=leakage)
+    model = _with_damping_of(read, choice.method, requested, progress)
     warned = (*low_coherence_notes(model, responses), *white_forces_notes(responses, leakage))
     return replace(
         model,
@@ -172,6 +162,24 @@ def _reader(
         n_modes=n_modes,
         leakage=leakage,
     )
+
+
+def _method_choice(
+    method: str | None, responses: Responses, options: ExtractionOptions | None
+) -> MethodChoice:
+    """Return the requested method, or by default the one for the number of references."""
+    if method is None:
+        return default_method(len(responses.references), options)
+    return MethodChoice(method, f"{method}: as requested")
+
+
+def _with_damping_of(read: Read, method: str, options: ExtractionOptions, progress: Progress) -> ModalModel:
+    """Return the modal model with the requested damping model, or the one that the data indicate."""
+    exact = method in GLOBAL_METHODS or EXTRACTION_METHODS[method].exact
+    if options.damping is None and exact:
+        return _by_identified_damping_model(read, options, progress)
+    model = read(options=options, progress=progress)
+    return with_contradiction_flags(model, options.assumed_damping) if exact else model
 
 
 def _by_identified_damping_model(read: Read, options: ExtractionOptions, progress: Progress) -> ModalModel:

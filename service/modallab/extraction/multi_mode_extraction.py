@@ -15,7 +15,12 @@ from modallab.extraction.averaging.damping_model_flag import with_damping_model_
 from modallab.extraction.averaging.duplicate_modes import drift_ranges, with_duplicate_flags
 from modallab.extraction.averaging.notes import inconsistency_notes
 from modallab.extraction.averaging.resynthesis import with_resynthesis
-from modallab.extraction.multi_mode.frequency_ranges import Chart, find_frequency_ranges, orders_of
+from modallab.extraction.multi_mode.frequency_ranges import (
+    Chart,
+    FrequencyRanges,
+    find_frequency_ranges,
+    orders_of,
+)
 from modallab.extraction.multi_mode.global_method import GlobalMethod
 from modallab.extraction.multi_mode.global_model import GlobalFit, modal_model
 from modallab.extraction.multi_mode.leakage_correction import LeakageCorrection, leakage_correction
@@ -89,24 +94,20 @@ def extract_globally(
     search = find_frequency_ranges(responses, indicator, bands)
     ranges = search.ranges
     starting_share = PROGRESS_SHARES.single_modes if leakage is None else PROGRESS_SHARES.single_modes_leaked
-    single_modes = _known_single_modes(
-        {} if known is None or leakage is not None else known,
-        responses,
-        options,
-        leakage,
-        slice(ranges[0].start, ranges[-1].stop),
-        part(progress, 0.0, starting_share),
-    )
-    charts = [Chart(lines, *orders_of(indicator[lines], options)) for lines in ranges]
+    known = {} if known is None or leakage is not None else known
+    lines, starting_progress = slice(ranges[0].start, ranges[-1].stop), part(progress, 0.0, starting_share)
+    single_modes = _known_single_modes(known, responses, options, leakage, lines, starting_progress)
+    charts = [Chart(lines, *orders_of(indicator[lines], options)) for lines in search.ranges]
+    leaked = None
+    if leakage is not None:
+        leaked = leakage_correction(leakage, single_modes, responses.drive_row, responses.averages)
     fits = _fits(
         find,
         responses,
         line_weights(responses, bias),
         charts,
         options.assumed_damping,
-        leaked=None
-        if leakage is None
-        else leakage_correction(leakage, single_modes, responses.drive_row, responses.averages),
+        leaked=leaked,
         drifting=drift_ranges(single_modes),
         requested=bands is not None,
         progress=part(progress, starting_share, PROGRESS_SHARES.fits),
@@ -119,22 +120,39 @@ def extract_globally(
     }
     model = modal_model(fits, responses, method=method, n_modes=n_modes, choices=choices)
     model = with_duplicate_flags(model, single_modes)
-    model = replace(
-        model,
-        notes=(
-            *search.left_out,
-            *_inconsistency_warning(single_modes),
-            *_empty_range_notes(responses.freq, ranges, fits),
-            *model.notes,
-        ),
-    )
+    model = _with_search_notes(model, search, single_modes, fits, responses)
+    model = with_damping_model_flags(model, responses, options)
+    return _with_resynthesised_lines(model, responses, fits, leakage)
+
+
+def _with_resynthesised_lines(
+    model: ModalModel, responses: Responses, fits: Sequence[GlobalFit], leakage: WindowLeakage | None
+) -> ModalModel:
+    """Return the model with its misfit at the lines of the fits."""
     return with_resynthesis(
-        with_damping_model_flags(model, responses, options),
+        model,
         responses,
         [Band(fit.lines.start, fit.lines.stop - 1, fit.lines.start) for fit in fits],
         smeared=0 if leakage is None else NOTES.smeared_lines,
         out_of_band_poles=out_of_band_poles(fits, responses.freq),
     )
+
+
+def _with_search_notes(
+    model: ModalModel,
+    search: FrequencyRanges,
+    single_modes: ModalModel | None,
+    fits: Sequence[GlobalFit],
+    responses: Responses,
+) -> ModalModel:
+    """Return the model with notes on lines left out, inconsistent frequencies and empty ranges."""
+    notes = (
+        *search.left_out,
+        *_inconsistency_warning(single_modes),
+        *_empty_range_notes(responses.freq, search.ranges, fits),
+        *model.notes,
+    )
+    return replace(model, notes=notes)
 
 
 def _fits(

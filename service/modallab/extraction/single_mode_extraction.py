@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from modallab.core.arrays import FloatArray
+from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.errors import NoModeInBandError
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, part, silent
@@ -23,13 +23,13 @@ from modallab.extraction.preprocessing.line_noise import has_coherence
 from modallab.extraction.preprocessing.responses import Responses
 from modallab.extraction.settings import NOTES
 from modallab.extraction.single_mode.correlated_fits import with_correlated_errors
-from modallab.extraction.single_mode.damping_models import DAMPING_MODELS
-from modallab.extraction.single_mode.fit_data import window_data
-from modallab.extraction.single_mode.fit_table import FitTable
+from modallab.extraction.single_mode.damping_models import DAMPING_MODELS, DampingModel
+from modallab.extraction.single_mode.fit_data import FitData, window_data
+from modallab.extraction.single_mode.fit_table import ConvergedFits, FitTable
 from modallab.extraction.single_mode.fitting import fit_all
 from modallab.extraction.single_mode.leaked_covariance import line_accuracy
 from modallab.extraction.single_mode.leaked_fits import with_leakage_errors
-from modallab.extraction.single_mode.method import SingleModeMethod
+from modallab.extraction.single_mode.method import ExtractionMethod, SingleModeMethod
 from modallab.extraction.single_mode.plan import Plan, plan
 
 
@@ -50,34 +50,19 @@ def extract_mode_by_mode(
     fit, line_choice = registered.with_options(options), plan(options, leakage)
     progress(0.0, "looking for modes")
     indicator = mode_indicator(responses.mobility, responses.coherent)
-    peaks = (
-        find_common(responses, indicator, n_modes)
-        if bands is None
-        else CommonPeaks(requested_bands(freq, indicator, bands))
-    )
+    peaks = _peaks(responses, indicator, bands, n_modes)
     fit_bands = peaks.bands
-    windows = place_windows(
-        responses.mobility,
-        indicator,
-        fit_bands,
-        base=line_choice.lines,
-        widths=line_choice.widths,
-        leave_out=line_choice.leave_out,
-    )
+    windows = _windows(responses, indicator, fit_bands, line_choice)
     progress(0.2, f"fitting {len(fit_bands)} modes in {len(dofs)} FRFs")
     data = window_data(freq, responses.receptance, responses.variance, windows, leakage, responses.drive_row)
     settled = fit_all(fit, damping_model, data, progress=part(progress, 0.2, 0.9))
-    if leakage is not None:
-        accuracy = line_accuracy(responses, windows.index) if has_coherence(responses) else None
-        settled = with_leakage_errors(fit, damping_model, data, leakage, settled, accuracy)
-    elif responses.correlation is not None:
-        settled = with_correlated_errors(fit, damping_model, data, settled, responses, windows.index)
+    settled = _with_line_errors(settled, fit, damping_model, data, responses, windows.index, leakage)
     table = replace(settled.table, lines=windows.ends)
     notes = [*peaks.notes, *_empty_band_notes(table, freq, fit_bands, requested=bands is not None)]
     notes += _choice_notes(registered, method, windows, line_choice)
-    if n_modes is not None and bands is None and len(fit_bands) < n_modes:
-        notes.append(f"{n_modes} modes requested, {len(fit_bands)} found")
+    notes += _number_notes(len(fit_bands), n_modes if bands is None else None)
     progress(1.0, "modes averaged")
+    noise = responses.noise if len(responses.references) == 1 else None
     model = combine_fits(
         table,
         dofs,
@@ -85,13 +70,7 @@ def extract_mode_by_mode(
         method=method,
         notes=notes,
         choices=line_choice.choices,
-        noise_correlation=shared_noise_fraction(
-            damping_model,
-            data,
-            settled,
-            windows.index,
-            responses.noise if len(responses.references) == 1 else None,
-        ),
+        noise_correlation=shared_noise_fraction(damping_model, data, settled, windows.index, noise),
     )
     if leakage is None and registered.exact:
         model = flag_misfits(model, responses, damping_model, line_choice.leave_out)
@@ -101,6 +80,56 @@ def extract_mode_by_mode(
     return with_resynthesis(
         model, responses, fit_bands, smeared=0 if leakage is None else NOTES.smeared_lines
     )
+
+
+def _peaks(
+    responses: Responses,
+    indicator: FloatArray,
+    bands: Sequence[tuple[float, float]] | None,
+    n_modes: int | None,
+) -> CommonPeaks:
+    """Return the peaks common to the FRFs, or those of the requested bands."""
+    if bands is None:
+        return find_common(responses, indicator, n_modes)
+    return CommonPeaks(requested_bands(responses.freq, indicator, bands))
+
+
+def _windows(
+    responses: Responses, indicator: FloatArray, bands: Sequence[Band], line_choice: Plan
+) -> Windows:
+    """Return the lines of each fit about its resonance."""
+    return place_windows(
+        responses.mobility,
+        indicator,
+        bands,
+        base=line_choice.lines,
+        widths=line_choice.widths,
+        leave_out=line_choice.leave_out,
+    )
+
+
+def _with_line_errors(
+    settled: ConvergedFits,
+    fit: ExtractionMethod,
+    damping_model: DampingModel,
+    data: FitData,
+    responses: Responses,
+    index: IntArray,
+    leakage: WindowLeakage | None,
+) -> ConvergedFits:
+    """Return the fits with standard errors that include leakage, or the correlation of the lines."""
+    if leakage is not None:
+        accuracy = line_accuracy(responses, index) if has_coherence(responses) else None
+        return with_leakage_errors(fit, damping_model, data, leakage, settled, accuracy)
+    if responses.correlation is not None:
+        return with_correlated_errors(fit, damping_model, data, settled, responses, index)
+    return settled
+
+
+def _number_notes(number: int, n_modes: int | None) -> Iterator[str]:
+    """Yield a note if fewer modes were found than requested."""
+    if n_modes is not None and number < n_modes:
+        yield f"{n_modes} modes requested, {number} found"
 
 
 def _choice_notes(

@@ -41,8 +41,8 @@ def likely_motion(system: DynamicSystem, setup: RigSetup, dof: Dof) -> LikelyMot
 def distortion_suspicion(evidence: Evidence) -> float:
     """Return the suspicion of a nonlinear force, 0 to 1, from incoherent response power.
 
-    A force that damps as well may leave less of it on the whole, where it takes more of what noise makes
-    at resonances than it adds beside them.
+    A nonlinear force that also damps the structure may reduce the total incoherent power: it may remove
+    more of the response to noise at resonances than it adds beside them.
     """
     if evidence.response is None:
         return DISTORTION_EVIDENCE.unmeasured

@@ -34,7 +34,3 @@ class LineSelection:
     def of(self, freq: FloatArray) -> FloatArray:
         """Return the frequencies (n,) of the lines, of all `freq`."""
         return freq[self.indices]
-
-    def decimated(self, step: int) -> "LineSelection":
-        """Return every `step`-th line of the selection."""
-        return LineSelection(self.indices[::step])

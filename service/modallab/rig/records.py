@@ -10,6 +10,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.errors import InvalidInputError
 from modallab.rig.acquisition import Batch, sample_rate_of, samples_of
+from modallab.rig.analyser import Analyser
 from modallab.rig.chain import Chain
 from modallab.rig.free_decay import impulse_responses_of, transient_of
 from modallab.rig.impulse_responses import ImpulseResponses
@@ -17,17 +18,16 @@ from modallab.rig.nonlinear_records import Distorter, SourceSignal, max_parallel
 from modallab.rig.periodic import fixed_lines
 from modallab.rig.record_settings import RECORDS
 
-Draft = tuple[
-    Batch, list[SourceSignal]
-]  # records without what nonlinear forces add, and what was played in them
+Draft = tuple[Batch, list[SourceSignal]]  # records without nonlinear forces, and their source signals
 
 
 class Recorder:
     """Generator of the analyser's input, run by run: force channels first.
 
-    Hysteretic damping has no causal form in time, so signals are made by frequency: one record for
-    what repeats with it; for what does not, a stretch of many records with so many lines that it
-    repeats only after every mode has rung out, and of which that much is thrown away.
+    Hysteretic damping has no causal form in time, so signals are synthesised in the frequency domain. A
+    signal that repeats with the record needs one record. A stationary signal needs a stretch of many
+    records with so many lines that it repeats only after every mode has decayed; a part of the stretch as
+    long as this decay is discarded.
     """
 
     def __init__(self, chain: Chain) -> None:
@@ -45,13 +45,7 @@ class Recorder:
         if share > 0:
             decay_records = _decay_time(chain) / analyser.record_length
             max_records = RECORDS.max_samples / (n_ch * self.n_samples)
-            if decay_records > max_records / 2:
-                raise InvalidInputError(
-                    f"a mode rings for {decay_records:.3g} records: too long to simulate stationary ones",
-                    field="excitation.kind",
-                    value=analyser.excitation.kind,
-                    allowed="a periodic excitation, or more damping",
-                )
+            _check_decay(decay_records, max_records, analyser)
             self._repeats = self._plan_stretches(
                 min(max(RECORDS.records_per_stretch, decay_records), max_records - decay_records),
                 decay_records,
@@ -224,6 +218,17 @@ def _with_distortion(distorter: Distorter, drafts: Sequence[Sequence[Draft]]) ->
         edges = np.cumsum([len(batch.samples) for batch, _ in run_drafts])[:-1]
         for (batch, _), more in zip(run_drafts, np.split(added, edges), strict=True):
             yield replace(batch, samples=batch.samples + more)
+
+
+def _check_decay(decay_records: float, max_records: float, analyser: Analyser) -> None:
+    """Raise `InvalidInputError` if a mode decays too slowly, in records, for stationary signals."""
+    if decay_records > max_records / 2:
+        raise InvalidInputError(
+            f"a mode rings for {decay_records:.3g} records: too long to simulate stationary ones",
+            field="excitation.kind",
+            value=analyser.excitation.kind,
+            allowed="a periodic excitation, or more damping",
+        )
 
 
 def _decay_time(chain: Chain) -> float:

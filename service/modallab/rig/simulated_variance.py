@@ -119,11 +119,7 @@ def simulated_factors(
     share = effective / spectra.averages
     g2 = coherence(spectra)
     incoherent = spectra.xx * (1 - g2 + COHERENCE_ROUNDING)
-    # Standard error of H1 in one average by the test's own coherence, as a fit will weight it.
-    test_coherence = np.array([_frf_coherence(test) for test in tests])
-    error = np.sqrt(
-        (1 - test_coherence + COHERENCE_ROUNDING) / np.maximum(test_coherence, COHERENCE_ROUNDING)
-    )
+    error = np.array([_frf_error(test) for test in tests])
     force, response = (np.array(part) for part in zip(*(_powers(test) for test in tests), strict=True))
     # digamma(n) - ln(n) is the mean of the logarithm of an average of Gaussian records.
     force = np.log(force / _powers(spectra)[0]) - digamma(effective) + np.log(effective)
@@ -141,6 +137,14 @@ def simulated_factors(
     # The correlation of successive records is accounted for separately.
     return replace(
         factors, response=np.maximum(factors.response / correlated_excess_variance(chain, spectra), 1.0)
+    )
+
+
+def _frf_error(test: CrossSpectra) -> FloatArray:
+    """Return the standard error of H1 in one average by the test's own coherence, as a fit will weight it."""
+    test_coherence = _frf_coherence(test)
+    return np.asarray(
+        np.sqrt((1 - test_coherence + COHERENCE_ROUNDING) / np.maximum(test_coherence, COHERENCE_ROUNDING))
     )
 
 

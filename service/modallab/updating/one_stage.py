@@ -36,18 +36,18 @@ def update_in_one_stage(
     initial, path, final = stage_path.initial, stage_path.iterations, stage_path.iterations.final
     identifiability = _identifiability(fit, stage_path, options)
     is_valid = path.stop_reason is not StopReason.DIVERGED
+    valid_part = identifiability if is_valid else None
     has_errors = is_valid and _has_row_errors(fit, identifiability.rank)
-    posterior = None
-    if options.samples and is_valid:
-        posterior = sample(fit, stage_path, options.samples, options.seed, part(progress, path_fraction, 1.0))
+    errors = standard_errors(parameterisation, final.values, stage_path.posterior) if has_errors else {}
+    samples = options.samples if is_valid else 0
+    sampling_progress = part(progress, path_fraction, 1.0)
+    posterior = sample(fit, stage_path, samples, options.seed, sampling_progress) if samples else None
     corrected, parts = fit.structure(final.values), parameterisation.parts
     numbers = [member.number for member in corrected.all_members]
     return UpdateResult(
         structure=corrected,
         coefficients=by_member(parameterisation, final.values, parts=parts, members=numbers),
-        standard_errors=standard_errors(parameterisation, final.values, stage_path.posterior)
-        if has_errors
-        else {},
+        standard_errors=errors,
         suspected=suspected(parameterisation, final.values, stage_path.posterior),
         frequencies=Stages(initial.frequencies, initial.frequencies, final.frequencies, measured.frequencies),
         mac=Stages(initial.mac, initial.mac, final.mac),
@@ -57,11 +57,9 @@ def update_in_one_stage(
         + stage_path.weights.misfit_note(stage_path.posterior.block_variances),
         rank=identifiability.rank,
         condition_number=identifiability.condition_number,
-        intervals=identifiability.by_member() if is_valid else {},
-        identifiability=identifiability if is_valid else None,
-        quantities=quantities(
-            structure, parameterisation, final.values, identifiability if is_valid else None
-        ),
+        intervals=valid_part.by_member() if valid_part else {},
+        identifiability=valid_part,
+        quantities=quantities(structure, parameterisation, final.values, valid_part),
         posterior=posterior,
     )
 

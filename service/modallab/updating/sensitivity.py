@@ -238,12 +238,7 @@ def _subspace_derivatives(
     damped = bool(basis.eigenvalues.imag.any())
     squares = basis.eigenvalues if damped else basis.eigenvalues.real
     eigenvalues = squares[modes]
-    weight = np.divide(
-        1.0,
-        eigenvalues - squares[:, None],
-        out=np.zeros(is_same_subspace.shape, squares.dtype),
-        where=~is_same_subspace,
-    )
+    weight = _inverse_differences(squares, eigenvalues, is_same_subspace)
     n_params, n_modes = 1 + max(int(part.params.max()) for part in parts), len(squares)
     dtype = np.result_type(squares, basis.shapes, *(part.matrices for part in parts))
     d_squares = np.zeros((n_params, len(modes), len(modes)), dtype)
@@ -270,6 +265,18 @@ def _subspace_derivatives(
         d_squares.transpose(1, 2, 0),
         d_shapes.transpose(1, 2, 0),
         truncation_bound(basis, modes, higher_modes),
+    )
+
+
+def _inverse_differences(
+    squares: FloatArray | ComplexArray, eigenvalues: FloatArray | ComplexArray, is_same_subspace: BoolArray
+) -> FloatArray | ComplexArray:
+    """Return one over the differences of eigenvalues, (m, n_modes), 0 within a subspace."""
+    return np.divide(
+        1.0,
+        eigenvalues - squares[:, None],
+        out=np.zeros(is_same_subspace.shape, squares.dtype),
+        where=~is_same_subspace,
     )
 
 

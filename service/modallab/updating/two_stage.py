@@ -77,6 +77,7 @@ def _result(
     covariance = coefficient_covariance(fit, final, jump=options.rank_jump, within=options.identified_within)
     identifiability = covariance.identifiability
     has_correction = path.stop_reason is not StopReason.DIVERGED and suspicion is not None
+    valid_part = identifiability if has_correction else None
     errors = covariance.standard_errors if has_correction else None
     corrected = fit.structure(final.values)
     n_negative = fit.count_negative_loss_factors(final.values, options.tolerance)
@@ -99,11 +100,9 @@ def _result(
         + note,
         rank=identifiability.rank,
         condition_number=identifiability.condition_number,
-        intervals=identifiability.by_member() if has_correction else {},
-        identifiability=identifiability if has_correction else None,
-        quantities=quantities(
-            fit.model.initial, parameterisation, final.values, identifiability if has_correction else None
-        ),
+        intervals=valid_part.by_member() if valid_part else {},
+        identifiability=valid_part,
+        quantities=quantities(fit.model.initial, parameterisation, final.values, valid_part),
     )
 
 

@@ -35,6 +35,72 @@ UploadedFiles = Annotated[
 ]
 
 
+_RigIdField = Annotated[
+    Id | None, Form(description="the log book of the test; by default as the file states it")
+]
+_UnitField = Annotated[
+    str | None, Form(max_length=40, description="of the FRFs in the file: `g/N`, `(m/s^2)/lbf`, `mm/s/N`")
+]
+_ScaleField = Annotated[
+    str | None,
+    Form(
+        description='factor to `unit`, or else to SI, JSON: `9.81`, or `{"response": 9.81, "force": 4.448}`',
+        json_schema_extra=_JSON,
+    ),
+]
+_KindField = Annotated[
+    FrfKind | None, Form(description="of the FRFs, if neither the file nor `unit` states it")
+]
+_NamesField = Annotated[
+    str | None,
+    Form(
+        alias="map",
+        description='DoFs of named points, JSON: `{"wing_tip": "12:+Z"}`',
+        json_schema_extra=_JSON,
+    ),
+]
+_OutputsField = Annotated[
+    list[Translation] | None, Form(description="response DoFs in the order of the file, `1:+Z`; repeated")
+]
+_InputsField = Annotated[
+    list[Translation] | None, Form(description="force DoFs in the order of the file, `1:+Z`; repeated")
+]
+_ColumnsField = Annotated[
+    str | None,
+    Form(
+        description='columns of text by role, JSON: `{"freq": 1, "real": "Re", "imag": "Im"}`',
+        json_schema_extra=_JSON,
+    ),
+]
+_VariablesField = Annotated[
+    str | None,
+    Form(
+        description='variables of MATLAB, HDF5 or npz by role, JSON: `{"freq": "f", "values": "frf"}`',
+        json_schema_extra=_JSON,
+    ),
+]
+_AveragesField = Annotated[
+    float | None,
+    Form(
+        ge=1,
+        le=READING.max_stated_averages,
+        description="effective averages; by default the file's, or else the rig's",
+    ),
+]
+_ExciterField = Annotated[
+    ExciterKind | None, Form(description="`shaker` or `hammer`, of a test without a rig")
+]
+_WindowField = Annotated[WindowName | None, Form(description="window of a test without a rig")]
+_WindowEndField = Annotated[
+    float | None,
+    Form(
+        ge=ACQUISITION.window_end_bounds[0],
+        le=ACQUISITION.window_end_bounds[1],
+        description="height of an exponential `window` at the end of the record",
+    ),
+]
+
+
 @dataclass(frozen=True)
 class ImportForm:
     """Fields of an import beside its files."""
@@ -42,77 +108,25 @@ class ImportForm:
     rig_id: str | None
     """Rig of the test; None: it follows from the files and the declared facts."""
     options: ReadingOptions
-    """What the files do not say."""
+    """Facts that the files do not contain."""
     declared: DeclaredTest
     """Facts of the test that are declared beside its files."""
 
 
 def import_form(
-    rig_id: Annotated[
-        Id | None, Form(description="the log book of the test; by default what the file itself tells of it")
-    ] = None,
-    unit: Annotated[
-        str | None, Form(max_length=40, description="of the FRFs in the file: `g/N`, `(m/s^2)/lbf`, `mm/s/N`")
-    ] = None,
-    scale: Annotated[
-        str | None,
-        Form(
-            description="factor to `unit`, or else to SI, JSON: `9.81`, or "
-            '`{"response": 9.81, "force": 4.448}`',
-            json_schema_extra=_JSON,
-        ),
-    ] = None,
-    kind: Annotated[
-        FrfKind | None, Form(description="of the FRFs, where neither the file nor `unit` tells it")
-    ] = None,
-    names: Annotated[
-        str | None,
-        Form(
-            alias="map",
-            description='DoFs of named points, JSON: `{"wing_tip": "12:+Z"}`',
-            json_schema_extra=_JSON,
-        ),
-    ] = None,
-    outputs: Annotated[
-        list[Translation] | None, Form(description="response DoFs in the order of the file, `1:+Z`; repeated")
-    ] = None,
-    inputs: Annotated[
-        list[Translation] | None, Form(description="force DoFs in the order of the file, `1:+Z`; repeated")
-    ] = None,
-    columns: Annotated[
-        str | None,
-        Form(
-            description='columns of text by role, JSON: `{"freq": 1, "real": "Re", "imag": "Im"}`',
-            json_schema_extra=_JSON,
-        ),
-    ] = None,
-    variables: Annotated[
-        str | None,
-        Form(
-            description='variables of MATLAB, HDF5 or npz by role, JSON: `{"freq": "f", "values": "frf"}`',
-            json_schema_extra=_JSON,
-        ),
-    ] = None,
-    averages: Annotated[
-        float | None,
-        Form(
-            ge=1,
-            le=READING.max_stated_averages,
-            description="effective averages; by default the file's, or else the rig's",
-        ),
-    ] = None,
-    exciter: Annotated[
-        ExciterKind | None, Form(description="`shaker` or `hammer`, of a test without a rig")
-    ] = None,
-    window: Annotated[WindowName | None, Form(description="window of a test without a rig")] = None,
-    window_end: Annotated[
-        float | None,
-        Form(
-            ge=ACQUISITION.window_end_bounds[0],
-            le=ACQUISITION.window_end_bounds[1],
-            description="height of an exponential `window` at the end of the record",
-        ),
-    ] = None,
+    rig_id: _RigIdField = None,
+    unit: _UnitField = None,
+    scale: _ScaleField = None,
+    kind: _KindField = None,
+    names: _NamesField = None,
+    outputs: _OutputsField = None,
+    inputs: _InputsField = None,
+    columns: _ColumnsField = None,
+    variables: _VariablesField = None,
+    averages: _AveragesField = None,
+    exciter: _ExciterField = None,
+    window: _WindowField = None,
+    window_end: _WindowEndField = None,
 ) -> ImportForm:
     """Return the fields of an import beside its files."""
     stated = {

@@ -6,7 +6,8 @@ from scipy.sparse import coo_array
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.core.numerics import SAFE_DIVISOR
-from modallab.diagnosis.residuals.residual import Residual, autocovariance
+from modallab.diagnosis.residuals.autocorrelation import autocovariance
+from modallab.diagnosis.residuals.residual import Residual
 from modallab.diagnosis.residuals.settings import LINE_CORRELATION
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import polygamma
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray, logarithm
-from modallab.core.numerics import SAFE_DIVISOR
+from modallab.diagnosis.residuals.autocorrelation import correlation_length, dependent_channels
 from modallab.diagnosis.residuals.decorrelation import Decorrelation
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.predicted import Predicted, VarianceRatios
@@ -138,16 +138,12 @@ class Residual:
             return np.asarray(mask & self.response_once)
         if part != "force" or self.force is None or self.force.shape[1] == mask.shape[1]:
             return mask
-        return np.logical_or.reduceat(mask, _first_channels(self.force_of_channel), axis=1)
+        first_channels = np.unique(self.force_of_channel, return_index=True)[1]
+        return np.logical_or.reduceat(mask, first_channels, axis=1)
 
     def gap(self, mask: BoolArray) -> float:
         """Return the mean of the parts' mean squares."""
         return float(np.mean(list(self.gaps(mask).values())))
-
-
-def _first_channels(forces: IntArray) -> IntArray:
-    """Return the first channel of each force, (n_force,)."""
-    return np.unique(forces, return_index=True)[1]
 
 
 def residual(observed: Observed, predicted: Predicted, *, noise_inflation: float = 0.0) -> Residual:
@@ -269,7 +265,7 @@ def correlation_lengths(
     if not residual.lines_correlated:
         return dict.fromkeys(residual.parts, observed.correlation_length)
     return {
-        name: _correlation_length(np.where(residual.mask_of(name, observed.usable), part, 0.0), max_lag)
+        name: correlation_length(np.where(residual.mask_of(name, observed.usable), part, 0.0), max_lag)
         for name, part in residual.rescaled.items()
     }
 
@@ -293,7 +289,7 @@ def gap_errors(
         values = np.where(part_mask, residual.rescaled[name], 0.0)
         if name == "response" and residual.response_once is not None:
             values = values[:, residual.response_once.any(axis=0)]
-        channels = _dependent_channels(values)
+        channels = dependent_channels(values)
         errors[name] = float(np.sqrt(square_variance * length * channels / count))
     return errors
 
@@ -302,28 +298,3 @@ def gap_error(observed: Observed, residual: Residual, mask: BoolArray) -> float:
     """Return the standard error of the whole gap over `mask` if no effect is missing."""
     errors = np.array(list(gap_errors(observed, residual, mask).values()))
     return float(np.sqrt((errors**2).sum()) / len(errors))
-
-
-def _dependent_channels(part: ComplexArray | FloatArray) -> float:
-    """Return the number of channels per independent channel: noise of a force is in all of its run."""
-    products = np.einsum("fi,fj->ij", part.conj(), part)
-    size = np.sqrt(np.maximum(products.diagonal().real, SAFE_DIVISOR))
-    by_chance = 1 / max(len(part), 1)
-    coherence = np.abs(products / np.outer(size, size)) ** 2 - by_chance
-    np.fill_diagonal(coherence, 1.0)
-    return float(np.maximum(coherence, 0.0).sum() / len(coherence))
-
-
-def autocovariance(part: ComplexArray | FloatArray) -> ComplexArray:
-    """Return the sums of products of residuals (n_freq, n) at every lag in lines, (n_freq,)."""
-    spectrum = np.fft.fft(part, 2 * len(part), axis=0)
-    return np.asarray(np.fft.ifft((np.abs(spectrum) ** 2).sum(axis=1))[: len(part)])
-
-
-def _correlation_length(part: ComplexArray | FloatArray, max_lag: int | None) -> float:
-    """Return the lines per independent line: 1 + 2 sum (1 - k/n) |rho_k|^2 over the lags k."""
-    n = len(part)
-    covariance = autocovariance(part)
-    pairs = 1 - np.arange(1, n) / n  # of n lines only n - k pairs are k apart
-    rho = np.abs(covariance[1:]) / max(float(np.abs(covariance[0])), SAFE_DIVISOR) / pairs
-    return float(1 + 2 * (pairs * np.minimum(rho, 1.0) ** 2)[:max_lag].sum())

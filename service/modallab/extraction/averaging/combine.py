@@ -83,12 +83,22 @@ def combine_fits(
             "means": choice_of_means(inconsistency, common[order]),
             **shapes.choice_text(),
         },
-        notes=(
-            *notes,
-            *no_scale(shapes),
-            *inconsistency_notes(inconsistency, names),
-            *why_outlying(table, order, names),
-        ),
+        notes=(*notes, *_notes(table, order, shapes, inconsistency, names)),
+    )
+
+
+def _notes(
+    table: FitTable,
+    order: IntArray,
+    shapes: ReferenceShapes,
+    inconsistency: FrequencyInconsistency | None,
+    names: Sequence[str],
+) -> tuple[str, ...]:
+    """Return notes on missing scale, inconsistent frequencies and outlying fits."""
+    return (
+        *no_scale(shapes),
+        *inconsistency_notes(inconsistency, names),
+        *why_outlying(table, order, names),
     )
 
 

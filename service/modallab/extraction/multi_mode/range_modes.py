@@ -93,18 +93,12 @@ def modes_of(
     stability = stabilise(poles)
     selection = select(poles, stability)
     start = _starting_poles(selection, band_data, leaked)
-    if not len(start.eigenvalue):
-        return None
-    search = refine_with_search if leaked is None else refine  # leakage leaves more than noise
-    refined = search(clean, start, damping, part(progress, RANGES.pole_share, 1.0))
+    refined = _refined(band_data, clean, start, damping, leaked, part(progress, RANGES.pole_share, 1.0))
     if refined is None:
         return None
-    if leaked is not None:
-        refined = with_leakage_errors(refined, band_data, leaked, damping)
     fit, between = refined.fit, between_ends(refined.fit, band_data.freq)
     match = _match(selection, fit, band_data.freq)
-    doubts = _doubts(fit, band_data.freq)
-    residual_modes = _residual_modes(refined)
+    residual_modes, doubts = _residual_modes(refined), _doubts(fit, band_data.freq)
     if leaked is None:  # with leakage, reference modes need no column
         shown = np.isin(np.arange(len(between)), match) | residual_modes | _with_peaks(fit, clean)
         doubts = [doubt or ("" if seen else NOT_SHOWN) for doubt, seen in zip(doubts, shown, strict=True)]
@@ -121,6 +115,24 @@ def modes_of(
         refined.drifts,
         refined.leakage_bias,
     )
+
+
+def _refined(
+    band_data: BandData,
+    clean: BandData,
+    start: StartingPoles,
+    damping: Damping,
+    leaked: LeakageCorrection | None,
+    progress: Progress,
+) -> RefinedModes | None:
+    """Return the fit of all modes to `clean`, lines corrected for leakage; None without a mode."""
+    if not len(start.eigenvalue):
+        return None
+    search = refine_with_search if leaked is None else refine  # leakage leaves more than noise
+    refined = search(clean, start, damping, progress)
+    if refined is None or leaked is None:
+        return refined
+    return with_leakage_errors(refined, band_data, leaked, damping)
 
 
 def _starting_poles(

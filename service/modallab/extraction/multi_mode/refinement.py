@@ -124,14 +124,19 @@ def refine_all(
         insignificant = insignificant_poles(fit, band_data.freq)
         if not insignificant.any():
             return RefinedModes(fit, weight, tuple(left_out), tuple(drifts))
-        left_out += [
-            DoubtfulMode(float(fit.frequency[row]), float(fit.loss_factor[row]), BELOW_NOISE)
-            for row in np.flatnonzero(insignificant)
-        ]
+        left_out += _below_noise(fit, insignificant)
         if not (between_ends(fit, band_data.freq) & (fit.loss_factor > 0) & ~insignificant).any():
             return None
         start = start.without(insignificant)
     return RefinedModes(fit, weight, tuple(left_out), tuple(drifts))
+
+
+def _below_noise(fit: ModalFit, insignificant: BoolArray) -> list[DoubtfulMode]:
+    """Return the insignificant poles of a fit as doubtful modes."""
+    return [
+        DoubtfulMode(float(fit.frequency[row]), float(fit.loss_factor[row]), BELOW_NOISE)
+        for row in np.flatnonzero(insignificant)
+    ]
 
 
 def _merged(fit: ModalFit, band_data: BandData) -> Merged:

@@ -6,6 +6,7 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.numerics import SAFE_DIVISOR
+from modallab.estimation.error_correlation import ErrorCorrelation
 from modallab.extraction.preprocessing.leaked_lines import LineErrors
 from modallab.extraction.preprocessing.line_noise import coherence_correction, has_coherence
 from modallab.extraction.preprocessing.noise_model import with_conjugate_phase
@@ -42,29 +43,20 @@ def with_correlated_errors(
     index
         (n_modes, n_frf, n_lines) index of each line on the frequency axis.
     """
-    correlation, column = responses.correlation, np.arange(index.shape[1])[None, :, None]
+    correlation = responses.correlation
     assert correlation is not None
     factor = coherence_correction(responses.averages) if has_coherence(responses) else 1.0
     fits = fit_once(method, damping_model, data, settled.cleaned, settled.inertance, screened=False)
-    (n_modes, n_frf, n_lines), used = data.freq.shape, data.weight > 0
+    used = data.weight > 0
     deviation = np.where(used, np.sqrt(factor / np.where(used, data.weight, 1.0)), 0.0)
-    noise = responses.noise
-    by_force = np.zeros(index.shape) if noise is None else noise.force_share[index, column]
-    # noise of the force has the phase of the FRF
-    parts = [
-        np.sqrt(1 - by_force) * deviation + 0j,
-        with_conjugate_phase(np.sqrt(by_force) * deviation, data.receptance.conj()),
-    ]
-    place = np.rint(data.freq / data.spacing).astype(np.int64)
+    parts = _error_parts(deviation, data, responses, index)
+    (n_modes, n_frf, n_lines), place = data.freq.shape, np.rint(data.freq / data.spacing).astype(np.int64)
     covariance, absorbed = np.empty((n_modes, n_frf, 4, 4)), np.empty((n_modes, n_frf))
     step = max(LEAKED_LINES.pairs_in_memory // n_lines**2, 1)
     for m in range(n_modes):
         for start in range(0, n_frf, step):
             frfs = slice(start, start + step)
-            by_place = place[m, frfs]
-            of_lines = correlation.between(by_place[:, :, None] - by_place[:, None, :])
-            by_part = [part[m, frfs, :, None] * part[m, frfs, None, :].conj() for part in parts]
-            errors = LineErrors(np.sum(by_part, axis=0) * of_lines, np.zeros(of_lines.shape, complex))
+            errors = _line_errors(correlation, place[m, frfs], [part[m, frfs] for part in parts])
             covariance[m, frfs] = errors.propagate(influence(method, damping_model, data, fits, m, frfs))
             relative = errors.covariance * np.sqrt(
                 data.weight[m, frfs, :, None] * data.weight[m, frfs, None, :]
@@ -80,6 +72,27 @@ def with_correlated_errors(
     table = with_errors(settled.table, covariance)
     screening = rescreened(settled.table, table, np.ones(table.frequency.shape, bool), data.spacing)
     return replace(settled, table=replace(table, screening=screening), remaining_noise=remaining)
+
+
+def _error_parts(
+    deviation: FloatArray, data: FitData, responses: Responses, index: IntArray
+) -> list[ComplexArray]:
+    """Return the independent parts of the lines' errors, each (n_modes, n_frf, n_lines).
+
+    Noise of the force has the phase of the FRF.
+    """
+    noise, column = responses.noise, np.arange(index.shape[1])[None, :, None]
+    by_force = np.zeros(index.shape) if noise is None else noise.force_share[index, column]
+    by_noise = np.asarray(np.sqrt(1 - by_force) * deviation, complex)
+    of_force = np.asarray(np.sqrt(by_force) * deviation, complex)
+    return [by_noise, with_conjugate_phase(of_force, data.receptance.conj())]
+
+
+def _line_errors(correlation: ErrorCorrelation, place: IntArray, parts: list[ComplexArray]) -> LineErrors:
+    """Return the covariance of the errors of lines at places (n_frf, n_lines) on the frequency axis."""
+    of_lines = correlation.between(place[:, :, None] - place[:, None, :])
+    by_part = [part[:, :, None] * part[:, None, :].conj() for part in parts]
+    return LineErrors(np.sum(by_part, axis=0) * of_lines, np.zeros(of_lines.shape, complex))
 
 
 def _absorbed(data: FitData, fits: FitIteration, m: int, frfs: slice, of_lines: ComplexArray) -> FloatArray:

@@ -38,13 +38,13 @@ def update_on_responses(
     fitted_target = target.at(target.evenly_spaced(RESPONSE_PATH.max_numbers))
     check_determined(fitted_target, len(parameterisation.macros), options)
     fitted_model = ResponseModel(model, fitted_target)
-    coarse_model = ResponseModel(
-        model, fitted_target.at(fitted_target.evenly_spaced(RESPONSE_PATH.coarse_numbers))
-    )
+    coarse_lines = fitted_target.evenly_spaced(RESPONSE_PATH.coarse_numbers)
+    coarse_model = ResponseModel(model, fitted_target.at(coarse_lines))
     rule = OneStageRule(Prior(options.prior), options.tolerance, options.max_iterations, options.rank_jump)
     path = correct(fitted_model, coarse_model, rule, progress)
     identifiability = _identifiability(parameterisation, path, options)
     is_valid = path.stop_reason is not StopReason.DIVERGED
+    valid_part = identifiability if is_valid else None
     corrected, parts = model.structure(path.values), parameterisation.parts
     numbers = [member.number for member in corrected.all_members]
     frequencies, no_modes = _frequencies(model, path.values, float(target.freq.max())), np.zeros(0)
@@ -61,11 +61,9 @@ def update_on_responses(
         + _misfit_note(path),
         rank=identifiability.rank,
         condition_number=identifiability.condition_number,
-        intervals=identifiability.by_member() if is_valid else {},
-        identifiability=identifiability if is_valid else None,
-        quantities=quantities(
-            structure, parameterisation, path.values, identifiability if is_valid else None
-        ),
+        intervals=valid_part.by_member() if valid_part else {},
+        identifiability=valid_part,
+        quantities=quantities(structure, parameterisation, path.values, valid_part),
         responses=_response_fit(full_model, fitted_target, path),
     )
 

@@ -90,14 +90,7 @@ def target_responses(
         usable.
     """
     _check_errors_known(coherence, averages, noise_floor)
-    lines = frf.freq > 0
-    if not lines.any():
-        raise InvalidInputError(
-            "there is no line above 0 Hz",
-            field="freq",
-            value=0.0,
-            allowed=bounds(exclusive_minimum=0, unit="Hz"),
-        )
+    lines = _elastic_lines(frf)
     receptance = frf.between(0.0, np.inf).to(FrfKind.RECEPTANCE)
     size = np.abs(receptance.values)
     line_coherence = None
@@ -125,6 +118,19 @@ def target_responses(
         receptance.outputs,
         receptance.inputs,
     )
+
+
+def _elastic_lines(frf: FrfSet) -> BoolArray:
+    """Return the lines above 0 Hz, (n_freq,); raise `InvalidInputError` if there is none."""
+    lines = frf.freq > 0
+    if not lines.any():
+        raise InvalidInputError(
+            "there is no line above 0 Hz",
+            field="freq",
+            value=0.0,
+            allowed=bounds(exclusive_minimum=0, unit="Hz"),
+        )
+    return lines
 
 
 def _independent_averages(averages: float, coherence: FloatArray, n_in: int) -> float:
