@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from modallab.core.settings import JUDGEMENT, Settings, setting
+from modallab.core.settings import Settings, setting
 
 
 @dataclass(frozen=True)
@@ -194,19 +194,19 @@ class DistortionEvidenceSettings(Settings):
         0.2,
         unit="1",
         doc="suspicion without a measured response spectrum",
-        tuned=JUDGEMENT,
+        tuned="chosen by judgement; test_suspicion.py passes with half and with twice the value",
     )
     misfit_only: float = setting(
         0.1,
         unit="1",
         doc="suspicion where the incoherent spectrum is wrong, but no larger on the whole",
-        tuned=JUDGEMENT,
+        tuned="chosen by judgement; test_suspicion.py passes with half and with twice the value",
     )
     misfit_limit: float = setting(
         1.2,
         unit="1",
         doc="mean squared residual up to which a spectrum agrees",
-        tuned=JUDGEMENT,
+        tuned="chosen by judgement; test_suspicion.py passes with half and with twice the value",
     )
 
 

@@ -49,7 +49,9 @@ class ResidualPoleSettings(Settings):
         derived="one for each mode of a close group",
     )
     trials: int = setting(
-        3, doc="Fits of one search, each without the rejected poles of the one before.", tuned=SUITE
+        3,
+        doc="Fits of one search, each without the rejected poles of the one before.",
+        tuned="chosen by judgement; test_residual_poles.py passes with 2 and with 6",
     )
     first_share: float = setting(
         0.7, doc="Share of the time for the first fit.", tuned="durations with 222 FRFs"
