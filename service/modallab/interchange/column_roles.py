@@ -26,7 +26,7 @@ _COMPATIBLE = (("values",), ("real", "imag"), ("magnitude", "phase"))
 
 
 def roles_of(table: Table, options: ReadingOptions) -> tuple[Roles, tuple[Assumption, ...]]:
-    """Return the columns of each role, and the roles that were assumed from names or numbers.
+    """Return the columns of each role, with an assumption if they follow from the numbers.
 
     Raises
     ------

@@ -84,8 +84,8 @@ _MATRICES_BY_PART = {
 def check_part_overlap(number: int, part: Part, other_part: Part) -> None:
     """Raise `InvalidInputError` if a member cannot have coefficients of both parts.
 
-    Two properties may share a matrix; other matrices distinguish them, or the check of identifiability
-    refuses them.
+    Two properties may share a matrix; other matrices distinguish them, or the identifiability shows that they
+    cannot be separated.
     """
     common_matrix = next((matrix for matrix in part.matrices if matrix in other_part.matrices), None)
     if common_matrix is None or (part is not other_part and part.is_property and other_part.is_property):

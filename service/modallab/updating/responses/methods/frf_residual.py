@@ -23,9 +23,9 @@ def frf_residual(
     """Correct mass, stiffness and damping of all elements at once on measured frequency responses.
 
     Rows are ln(H_measured / H_model) over its random error, whose derivatives are exact; prior and steps are
-    those of `one_shot`. In the first steps random errors are enlarged, so that resonances of the model need
-    not coincide with those of the structure. Every difference is attributed to the coefficients; an influence
-    of the rig is therefore an error, unless the structure includes it.
+    those of `one_shot`. In the first steps an assumed error of the model is added to the random errors, so
+    that resonances of the model need not coincide with those of the structure. Every difference is attributed
+    to the coefficients; an influence of the rig is therefore an error, unless the structure includes it.
 
     Parameters
     ----------
