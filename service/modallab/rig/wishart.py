@@ -21,8 +21,9 @@ def wishart_spectra(
     Complex Wishart law with `spectra.averages` degrees of freedom a line, real at 0 Hz, by its
     conditional (Bartlett) form: G_ff is a Gamma variable; given it, G_fx of each channel is complex
     normal about H G_ff, and what the force does not explain a Gamma variable of one average less.
-    Lines and runs are independent; the channels of a run share the force, noise and all. Given it they
-    move by what of the signal it does not explain, alike, and by noise of their own.
+    Lines and runs are independent; the channels of a run share the measured force with its noise. Beside
+    it each channel has two random parts: one from the part of the signal that the measured force does not
+    explain, which is the same in all channels of the run, and one from the channel's own noise.
     Goodman (1963), Annals of Mathematical Statistics 34, 152-177.
 
     Parameters

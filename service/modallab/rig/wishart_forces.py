@@ -28,9 +28,9 @@ def wishart_of_several_forces(
     Complex Wishart law, real at 0 Hz, by Bartlett's factors: with the Cholesky factor L of the expected
     G_ff, the drawn one is L A A^H L^H / n, A lower triangular, the squares of its diagonal Gamma(n - i), what
     is below it complex normal. Given G_ff, G_fx of each channel is complex normal about G_ff H^T, and what
-    the forces do not explain a Gamma variable of as many averages less as there are forces. The channels of
-    a run move alike by what of the signals the noisy forces do not explain. Goodman (1963), Annals of
-    Mathematical Statistics 34, 152-177.
+    the forces do not explain a Gamma variable of as many averages less as there are forces. The part of the
+    signals that the measured, noisy forces do not explain is the same random part in all channels of a run.
+    Goodman (1963), Annals of Mathematical Statistics 34, 152-177.
 
     Parameters
     ----------
