@@ -119,8 +119,10 @@ def test_a_cleaner_too_vague_to_follow_hands_on_its_own_error_and_bias() -> None
     known = vaguer(fit, 0.5 / float((fit.loss_factor_error / fit.loss_factor).min()))
     leaked = LeakageCorrection(WindowLeakage.from_window(HANN, "h1"), known, bias, drive=0)
     out = with_leakage_errors(refined, stretch, leaked, Damping.STRUCTURAL)
-    assert (out.fit.frequency_error >= known.frequency_error).all()
-    assert (out.fit.loss_factor_error >= known.loss_factor_error).all()
+    # an error equal to its own is the root of a sum of squares: a few units of its last digit
+    rounding = 1 - 4 * np.finfo(float).eps
+    assert (out.fit.frequency_error >= rounding * known.frequency_error).all()
+    assert (out.fit.loss_factor_error >= rounding * known.loss_factor_error).all()
     assert (out.fit.modal_constant_error >= known.modal_constant_error).all()
     assert out.leakage_bias is not None
     np.testing.assert_allclose(out.leakage_bias, bias)
