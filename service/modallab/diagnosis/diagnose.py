@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import chain
 
 from modallab.core.dof import Dof
 from modallab.core.line_options import line_mask
@@ -14,6 +15,7 @@ from modallab.diagnosis.predicting.comparability import check_comparable
 from modallab.diagnosis.predicting.follow_up import FollowUp
 from modallab.diagnosis.predicting.limitations import limitations
 from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.predicting.window_in_use import with_window_in_use
 from modallab.diagnosis.residuals.residual import gap_error
 from modallab.diagnosis.result import Diagnosis, Step, Verdict
 from modallab.diagnosis.result_builder import curves, extended, rivals, step, tolerated
@@ -126,16 +128,18 @@ def diagnose(
     UnknownDofError
         If the model lacks a measured DoF.
     """
-    tests = [measurement, *(follow_up.with_consistent_log_book(measurement) for follow_up in follow_ups)]
-    for test in tests:
+    declared = [measurement, *(follow_up.with_consistent_log_book(measurement) for follow_up in follow_ups)]
+    for test in declared:
         check_comparable(structure, test)
+    tests, window_notes = zip(*map(with_window_in_use, declared), strict=True)
+    measurement = tests[0]
     task = SearchTask(structure, tests, suspects, hold_out_fraction, tuple(hold_out), max_effects, seed)
     pulse = Pulse(progress)
     found, assumed = task.run(tolerances, assumed, pulse)
-    note = _assumption_note(tolerances, assumed)
+    notes = (*chain.from_iterable(window_notes), *_assumption_note(tolerances, assumed))
     changes = [follow_up.change for follow_up in follow_ups]
     pulse(0.94, "preparing the result")
-    return _result(structure, measurement, found, changes, note, seed, part(pulse, 0.94, 1.0))
+    return _result(structure, measurement, found, changes, notes, seed, part(pulse, 0.94, 1.0))
 
 
 def _result(
@@ -143,7 +147,7 @@ def _result(
     measurement: Measurement,
     found: SearchResult,
     changes: Sequence[Change],
-    assumption_note: tuple[str, ...],
+    assumption_notes: tuple[str, ...],
     seed: int,
     progress: Progress,
 ) -> Diagnosis:
@@ -170,7 +174,7 @@ def _result(
         seed=seed,
         notes=(
             *limitations(measurement, predictor.tests[0].observed),
-            *assumption_note,
+            *assumption_notes,
             *_budget_note(predictor, explained),
         ),
     )

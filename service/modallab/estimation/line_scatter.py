@@ -10,10 +10,12 @@ from modallab.core.numerics import COHERENCE_ROUNDING, SAFE_DIVISOR
 from modallab.estimation.error_correlation import (
     ErrorCorrelation,
     likeliest_correlation,
+    log_likelihoods,
     refined_correlation,
+    whitened_squares,
 )
 from modallab.estimation.settings import LINE_SCATTER
-from modallab.estimation.windows import Window
+from modallab.estimation.windows import WINDOWS, Window
 
 
 @dataclass(frozen=True)
@@ -69,12 +71,9 @@ def estimated_averages(
     InvalidInputError
         If the lines are too few for an estimate.
     """
-    known = (coherence > LINE_SCATTER.min_coherence) & (np.abs(values) > 0)
-    relative = np.where(known, (1 - coherence) / np.maximum(coherence, LINE_SCATTER.min_coherence), 0.0)
-    if not (relative[known] > COHERENCE_ROUNDING).any():
+    stretches = _stretches_by_coherence(values, coherence)
+    if stretches is None:
         return None
-    variance = np.abs(values) ** 2 * np.maximum(relative, COHERENCE_ROUNDING)
-    stretches = _stretches(values, np.where(known, variance, np.nan))
     if stretches.usable.any(axis=1).sum() < LINE_SCATTER.min_stretches:
         raise InvalidInputError(
             "too few lines to estimate the averages, which coherence alone does not tell",
@@ -107,6 +106,61 @@ def estimated_error(values: ComplexArray, window: Window | None) -> tuple[Estima
             Estimate(deviation, deviation * scale.standard_error / (2 * scale.value + SAFE_DIVISOR))
         )
     return tuple(errors)
+
+
+def window_shown(values: ComplexArray, coherence: FloatArray, averages: float, declared: str) -> str:
+    """Return the name of the window that the random errors of neighbouring lines show.
+
+    It is the declared one unless another sum of cosines is likelier by several standard errors of the
+    logarithm of the likelihood ratio (Vuong 1989, Econometrica 57, 307-333). Stretches of lines that scatter
+    more than coherence and averages tell are left out: there the smooth local model does not hold.
+
+    Parameters
+    ----------
+    values
+        (n_freq, n_frf) FRFs.
+    coherence
+        (n_freq, n_frf), 0 to 1.
+    averages
+        Effective number of averages.
+    declared
+        Name of the window that the log book declares.
+    """
+    windows = {name: window for name, window in WINDOWS.items() if not window.transient}
+    stretches = _stretches_by_coherence(values, coherence)
+    if declared not in windows or stretches is None or averages <= 1:
+        return declared
+    fits = _residuals(stretches, np.eye(LINE_SCATTER.stretch_lines))
+    n_spare = fits[1].shape[1]
+    limit = n_spare + LINE_SCATTER.plausible_scatter * np.sqrt(n_spare)
+    plausible = np.zeros(len(fits[1]), bool)
+    likelihoods = {}
+    for name, window in windows.items():
+        correlations = [ErrorCorrelation(window, random_force=random) for random in (False, True)]
+        each = [log_likelihoods(*fits, correlation) for correlation in correlations]
+        best = int(np.argmax([likelihood.sum() for likelihood in each]))
+        likelihoods[name] = each[best]
+        plausible |= whitened_squares(*fits, correlations[best])[0] * (averages - 1) < limit
+    if plausible.sum() < LINE_SCATTER.min_stretches:
+        return declared
+    gains = {name: (each - likelihoods[declared])[plausible] for name, each in likelihoods.items()}
+    best_name = max(gains, key=lambda name: float(gains[name].sum()))
+    gain = gains[best_name]
+    significant = gain.sum() > LINE_SCATTER.window_significance * gain.std() * np.sqrt(len(gain))
+    return best_name if significant else declared
+
+
+def _stretches_by_coherence(values: ComplexArray, coherence: FloatArray) -> _Stretches | None:
+    """Return groups of neighbouring lines with variances that coherence tells, of one average.
+
+    None if the coherence is 1, without random error.
+    """
+    known = (coherence > LINE_SCATTER.min_coherence) & (np.abs(values) > 0)
+    relative = np.where(known, (1 - coherence) / np.maximum(coherence, LINE_SCATTER.min_coherence), 0.0)
+    if not (relative[known] > COHERENCE_ROUNDING).any():
+        return None
+    variance = np.abs(values) ** 2 * np.maximum(relative, COHERENCE_ROUNDING)
+    return _stretches(values, np.where(known, variance, np.nan))
 
 
 def _stretches(values: ComplexArray, variance: FloatArray) -> _Stretches:

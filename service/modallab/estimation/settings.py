@@ -127,6 +127,18 @@ class LineScatterSettings(Settings):
     groups: int = setting(
         10, unit="groups", doc="groups of stretches whose scatter tells the error", derived="known to 25 %"
     )
+    plausible_scatter: float = setting(
+        3.0,
+        unit="standard deviations",
+        doc="excess of a stretch's scatter above which it does not tell the window",
+        derived="one stretch in some hundred, where the local model holds",
+    )
+    window_significance: float = setting(
+        3.0,
+        unit="standard errors",
+        doc="log-likelihood ratio from which on another window than the declared one is taken",
+        derived="chance 1e-3 where both are equally near; the declared one, if right, is 9 and more ahead",
+    )
 
 
 LINE_SCATTER = LineScatterSettings()
