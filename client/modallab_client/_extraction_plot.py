@@ -31,44 +31,50 @@ SYMBOLS = (
 )
 
 
-def heading(picture: "FitPlotData") -> str:
+def heading(plot_data: "FitPlotData") -> str:
     """Return the title of a fit: mode, response, method, and the estimates."""
-    quality = "".join(f", {name.replace('_', ' ')} {value:.2g} %" for name, value in picture.quality.items())
+    quality = "".join(
+        f", {name.replace('_', ' ')} {value:.2g} %" for name, value in plot_data.quality.items()
+    )
     return (
-        f"mode {picture.mode} at {picture.response}, {picture.method}: "
-        f"{picture.frequency:.6g} Hz, loss factor {picture.loss_factor:.4g}{quality}"
+        f"mode {plot_data.mode} at {plot_data.response}, {plot_data.method}: "
+        f"{plot_data.frequency:.6g} Hz, loss factor {plot_data.loss_factor:.4g}{quality}"
     )
 
 
-def magnitude(axes: "Axes", picture: "FitPlotData", unit: str) -> None:
+def magnitude(axes: "Axes", plot_data: "FitPlotData", unit: str) -> None:
     """Draw |H| of the lines as measured and cleaned, and of the fit."""
-    used = picture.used
-    axes.plot(picture.freq, np.abs(picture.measured), "x", color=RAW, label="measured")
-    axes.plot(picture.freq[used], np.abs(picture.cleaned)[used], "ko", markersize=4, label="freed of others")
+    used = plot_data.used
+    axes.plot(plot_data.freq, np.abs(plot_data.measured), "x", color=RAW, label="measured")
+    axes.plot(
+        plot_data.freq[used], np.abs(plot_data.cleaned)[used], "ko", markersize=4, label="freed of others"
+    )
     if not used.all():
         axes.plot(
-            picture.freq[~used],
-            np.abs(picture.cleaned)[~used],
+            plot_data.freq[~used],
+            np.abs(plot_data.cleaned)[~used],
             "ko",
             markersize=4,
             fillstyle="none",
             label="left out",
         )
-    axes.plot(picture.curve_freq, np.abs(picture.curve), color=FITTED, label="mode and residual")
-    axes.set(xlabel="frequency, Hz", ylabel=f"|{picture.kind}|, {unit}")
+    axes.plot(plot_data.curve_freq, np.abs(plot_data.curve), color=FITTED, label="mode and residual")
+    axes.set(xlabel="frequency, Hz", ylabel=f"|{plot_data.kind}|, {unit}")
     axes.legend(fontsize="x-small")
 
 
-def nyquist(axes: "Axes", picture: "FitPlotData", unit: str) -> None:
+def nyquist(axes: "Axes", plot_data: "FitPlotData", unit: str) -> None:
     """Draw the lines and the fit in the complex plane; of a circle-fit the whole circle."""
-    z, used = picture.cleaned, picture.used
-    circle = picture.details.get("circle")
+    z, used = plot_data.cleaned, plot_data.used
+    circle = plot_data.details.get("circle")
     if circle is not None:
         axes.plot(circle.real, circle.imag, color=FITTED, linewidth=0.9, label="fitted circle")
         for name, marker in (("centre", "+"), ("resonance", "D")):
-            at = np.ravel(picture.details[name])
+            at = np.ravel(plot_data.details[name])
             axes.plot(at.real, at.imag, marker, color=FITTED, markersize=6, linestyle="none", label=name)
-    axes.plot(picture.curve.real, picture.curve.imag, color=FITTED, linewidth=1.8 if circle is None else 2.4)
+    axes.plot(
+        plot_data.curve.real, plot_data.curve.imag, color=FITTED, linewidth=1.8 if circle is None else 2.4
+    )
     axes.plot(z.real[used], z.imag[used], "ko", markersize=4)
     if not used.all():
         axes.plot(z.real[~used], z.imag[~used], "ko", markersize=4, fillstyle="none")
@@ -78,17 +84,17 @@ def nyquist(axes: "Axes", picture: "FitPlotData", unit: str) -> None:
         axes.legend(fontsize="x-small")
 
 
-def method_plot(figure: "Figure", place: Any, picture: "FitPlotData") -> "tuple[Axes, ...]":
+def method_plot(figure: "Figure", place: Any, plot_data: "FitPlotData") -> "tuple[Axes, ...]":
     """Draw the plot particular to the method, if it has one; return its axes."""
-    draw = METHOD_PLOTS.get(picture.method)
-    return () if draw is None or not picture.details else draw(figure, place, picture)
+    draw = METHOD_PLOTS.get(plot_data.method)
+    return () if draw is None or not plot_data.details else draw(figure, place, plot_data)
 
 
-def _damping_surface(figure: "Figure", place: Any, picture: "FitPlotData") -> "tuple[Axes, ...]":
+def _damping_surface(figure: "Figure", place: Any, plot_data: "FitPlotData") -> "tuple[Axes, ...]":
     """Draw the loss factor of every pair of lines, one above and one below resonance."""
     axes = figure.add_subplot(place)
-    details, loss = picture.details, picture.loss_factor
-    upper, lower = (_hertz(picture, np.asarray(details[name])) for name in ("x_above", "x_below"))
+    details, loss = plot_data.details, plot_data.loss_factor
+    upper, lower = (_hertz(plot_data, np.asarray(details[name])) for name in ("x_above", "x_below"))
     surface = np.asarray(details["damping_surface"])
     if not surface.size:  # all lines to one side
         axes.set_axis_off()
@@ -109,45 +115,45 @@ def _damping_surface(figure: "Figure", place: Any, picture: "FitPlotData") -> "t
     return (axes,)
 
 
-def _inverse(figure: "Figure", place: Any, picture: "FitPlotData") -> "tuple[Axes, ...]":
+def _inverse(figure: "Figure", place: Any, plot_data: "FitPlotData") -> "tuple[Axes, ...]":
     """Draw the inverse of the response and the straight line through it."""
     axes = figure.add_subplot(place)
-    _straight(axes, picture, picture.details["inverse"], picture.details["line"])
-    axes.set_xlabel(_squared(picture))
+    _straight(axes, plot_data, plot_data.details["inverse"], plot_data.details["line"])
+    axes.set_xlabel(_squared(plot_data))
     axes.set_title("1/(response - residual)", fontsize="small")
     return (axes,)
 
 
-def _quotients(figure: "Figure", place: Any, picture: "FitPlotData") -> "tuple[Axes, ...]":
+def _quotients(figure: "Figure", place: Any, plot_data: "FitPlotData") -> "tuple[Axes, ...]":
     """Draw Dobson's difference quotients with their lines, over the slopes of these with theirs."""
     upper, lower = (figure.add_subplot(part) for part in place.subgridspec(2, 1))
-    x, delta, lines = (np.asarray(picture.details[n]) for n in ("x_delta", "delta", "delta_lines"))
+    x, delta, lines = (np.asarray(plot_data.details[n]) for n in ("x_delta", "delta", "delta_lines"))
     for row in range(len(x)):
         upper.plot(x[row], delta[row].real, ".", color="C0", markersize=3)
         upper.plot(x[row], lines[row].real, color=FITTED, linewidth=0.5)
     upper.set_title("quotients, real part; a line a reference", fontsize="small")
-    _straight(lower, picture, picture.details["slopes"], picture.details["slope_line"])
+    _straight(lower, plot_data, plot_data.details["slopes"], plot_data.details["slope_line"])
     lower.set_title("their slopes", fontsize="small")
-    lower.set_xlabel(_squared(picture))
+    lower.set_xlabel(_squared(plot_data))
     return upper, lower
 
 
-def _sides(figure: "Figure", place: Any, picture: "FitPlotData") -> "tuple[Axes, ...]":
+def _sides(figure: "Figure", place: Any, plot_data: "FitPlotData") -> "tuple[Axes, ...]":
     """Draw both sides of the linear fit's equation."""
     axes = figure.add_subplot(place)
-    _straight(axes, picture, picture.details["left"], picture.details["right"])
-    axes.set_xlabel(_squared(picture))
+    _straight(axes, plot_data, plot_data.details["left"], plot_data.details["right"])
+    axes.set_xlabel(_squared(plot_data))
     axes.set_title("response x ω², and its three terms", fontsize="small")
     return (axes,)
 
 
-def _half_power(figure: "Figure", place: Any, picture: "FitPlotData") -> "tuple[Axes, ...]":
+def _half_power(figure: "Figure", place: Any, plot_data: "FitPlotData") -> "tuple[Axes, ...]":
     """Draw the peak and the points of half its power."""
     axes = figure.add_subplot(place)
-    details = {name: np.ravel(values) for name, values in picture.details.items()}
-    axes.plot(_hertz(picture, details["x"]), details["magnitude"], "ko-", markersize=4, linewidth=0.8)
-    axes.plot(_hertz(picture, details["x_peak"]), details["peak"], "D", color=FITTED, label="peak")
-    axes.plot(_hertz(picture, details["x_half"]), details["half"], "s-", color=FITTED, label="half power")
+    details = {name: np.ravel(values) for name, values in plot_data.details.items()}
+    axes.plot(_hertz(plot_data, details["x"]), details["magnitude"], "ko-", markersize=4, linewidth=0.8)
+    axes.plot(_hertz(plot_data, details["x_peak"]), details["peak"], "D", color=FITTED, label="peak")
+    axes.plot(_hertz(plot_data, details["x_half"]), details["half"], "s-", color=FITTED, label="half power")
     axes.set_xlabel("frequency, Hz")
     axes.set_title("highest line", fontsize="small")
     axes.legend(fontsize="x-small")
@@ -163,21 +169,21 @@ METHOD_PLOTS: Mapping[str, Callable[["Figure", Any, "FitPlotData"], "tuple[Axes,
 }
 
 
-def _straight(axes: "Axes", picture: "FitPlotData", points: Any, line: Any) -> None:
-    x = picture.details["x"]
+def _straight(axes: "Axes", plot_data: "FitPlotData", points: Any, line: Any) -> None:
+    x = plot_data.details["x"]
     for label, part, colour, marker in PARTS:
         axes.plot(x, part(points), marker, color=colour, markersize=4, label=label)
         axes.plot(x, part(line), color=colour, linewidth=0.9)
     axes.legend(fontsize="x-small")
 
 
-def _hertz(picture: "FitPlotData", x: FloatArray) -> FloatArray:
-    omega = x if picture.damping == "viscous" else np.sqrt(np.maximum(x, 0))
+def _hertz(plot_data: "FitPlotData", x: FloatArray) -> FloatArray:
+    omega = x if plot_data.damping == "viscous" else np.sqrt(np.maximum(x, 0))
     return np.asarray(omega / (2 * np.pi))
 
 
-def _squared(picture: "FitPlotData") -> str:
-    return "ω, rad/s" if picture.damping == "viscous" else "ω², (rad/s)²"
+def _squared(plot_data: "FitPlotData") -> str:
+    return "ω, rad/s" if plot_data.damping == "viscous" else "ω², (rad/s)²"
 
 
 def responses(

@@ -88,17 +88,17 @@ def frf(synthesised: "Frf", measured: "Measurement | None", output: str | None) 
     return upper, lower
 
 
-def fit(picture: "FitPlotData") -> "tuple[Axes, ...]":
+def fit(plot_data: "FitPlotData") -> "tuple[Axes, ...]":
     """Draw one fit: magnitude, Nyquist plot, and the plot particular to the method; return the axes."""
     from modallab_client import _extraction_plot as parts
 
     figure = _pyplot().figure(figsize=(11, 4), layout="constrained")
     first, second, third = figure.add_gridspec(1, 3, width_ratios=[1.1, 1, 1.1])
     size, turn = figure.add_subplot(first), figure.add_subplot(second)
-    figure.suptitle(parts.heading(picture), fontsize="medium")
-    parts.magnitude(size, picture, UNITS.get(picture.kind, ""))
-    parts.nyquist(turn, picture, UNITS.get(picture.kind, ""))
-    return size, turn, *parts.method_plot(figure, third, picture)
+    figure.suptitle(parts.heading(plot_data), fontsize="medium")
+    parts.magnitude(size, plot_data, UNITS.get(plot_data.kind, ""))
+    parts.nyquist(turn, plot_data, UNITS.get(plot_data.kind, ""))
+    return size, turn, *parts.method_plot(figure, third, plot_data)
 
 
 def indicators(functions: "Indicators") -> "tuple[Axes, Axes]":

@@ -60,16 +60,16 @@ def line_mask(
     """
     if bands is None and not exclude:
         return None
-    kept = np.ones(len(freq), bool) if bands is None else _inside(freq, bands, "bands")
-    kept &= ~_inside(freq, exclude, "exclude")
-    if not kept.any():
+    selected = np.ones(len(freq), bool) if bands is None else _inside(freq, bands, "bands")
+    selected &= ~_inside(freq, exclude, "exclude")
+    if not selected.any():
         raise InvalidInputError(
             "no line is left",
             field="exclude" if exclude else "bands",
             value=[list(band) for band in (exclude or bands or ())][:5],
             allowed=f"lines from {freq[0]:g} to {freq[-1]:g} Hz",
         )
-    return kept
+    return selected
 
 
 def _inside(freq: FloatArray, bands: Sequence[Band], name: Literal["bands", "exclude"]) -> BoolArray:

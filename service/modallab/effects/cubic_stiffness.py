@@ -53,9 +53,9 @@ class CubicStiffness(Effect):
         """Return coefficients with equivalent stiffnesses of 1e-4 to 1 of the DoF's dynamic stiffness."""
         assert isinstance(self.at, Dof)
         motion = likely_motion(system, setup, self.at)
-        whole = motion.stiffness / (3 * motion.displacement**2)
+        largest_stiffness = motion.stiffness / (3 * motion.displacement**2)
         top = self.specs()["stiffness"].upper
-        return {"stiffness": [min(share * whole, top) for share in (1e-4, 1e-3, 1e-2, 1e-1, 1.0)]}
+        return {"stiffness": [min(share * largest_stiffness, top) for share in (1e-4, 1e-3, 1e-2, 1e-1, 1.0)]}
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:

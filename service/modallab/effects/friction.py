@@ -61,10 +61,10 @@ class Friction(Effect):
         """Return forces with equivalent damping of 1e-3 to 1 of the DoF's mechanical resistance."""
         assert isinstance(self.at, Dof)
         motion = likely_motion(system, setup, self.at)
-        whole = motion.viscous * motion.velocity * np.sqrt(np.pi / 2)
+        viscous_force = motion.viscous * motion.velocity * np.sqrt(np.pi / 2)
         top = self.specs()["force"].upper
         sticking = float(np.clip(FRICTION_SCAN.sticking_ratio * motion.velocity, 1e-9, 1e3))
-        forces = [min(share * whole, top) for share in (1e-3, 1e-2, 1e-1, 1.0)]
+        forces = [min(share * viscous_force, top) for share in (1e-3, 1e-2, 1e-1, 1.0)]
         return {"force": forces, "sticking": [sticking]}
 
     @classmethod

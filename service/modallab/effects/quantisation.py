@@ -58,8 +58,8 @@ class Quantisation(Effect):
         """Return the samples rounded."""
         steps = self._steps(acquisition)[batch.run][:, None]
         rounds = steps > 0
-        whole = np.where(rounds, steps, 1.0)
-        return np.where(rounds, np.round(batch.samples / whole) * whole, batch.samples)
+        step_sizes = np.where(rounds, steps, 1.0)
+        return np.where(rounds, np.round(batch.samples / step_sizes) * step_sizes, batch.samples)
 
     def _steps(self, acquisition: Acquisition) -> FloatArray:
         quantised = acquisition.channel_mask(

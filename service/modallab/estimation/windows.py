@@ -94,8 +94,8 @@ class Window:
         if self.transient:
             decay = -np.log(self.end) + 2j * np.pi * offset
             short = decay if n is None else -n * np.expm1(-decay / n)
-            whole = np.where(decay == 0, 1.0, short)
-            return np.asarray(np.abs(np.where(decay == 0, 1.0, -np.expm1(-decay) / whole)) ** 2)
+            exponent = np.where(decay == 0, 1.0, short)
+            return np.asarray(np.abs(np.where(decay == 0, 1.0, -np.expm1(-decay) / exponent)) ** 2)
         amplitude = self.coefficients[0] * _kernel(offset, n)
         for k, a in enumerate(self.coefficients[1:], start=1):
             amplitude = amplitude + a / 2 * (_kernel(offset - k, n) + _kernel(offset + k, n))

@@ -229,7 +229,7 @@ def _joined(
     arrays = [getattr(content, name) for content in contents]
     if any(array is None for array in arrays):
         return None
-    whole: FloatArray = np.empty((len(contents[0].frf.freq), len(outputs), len(inputs)))
+    combined: FloatArray = np.empty((len(contents[0].frf.freq), len(outputs), len(inputs)))
     for content, array in zip(contents, arrays, strict=True):
-        whole[_places(content, outputs, inputs)] = array.reshape(*array.shape[:2], -1)
-    return whole[:, :, 0] if len(inputs) == 1 and name != "force_spectrum" else whole
+        combined[_places(content, outputs, inputs)] = array.reshape(*array.shape[:2], -1)
+    return combined[:, :, 0] if len(inputs) == 1 and name != "force_spectrum" else combined

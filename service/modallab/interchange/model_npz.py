@@ -172,12 +172,12 @@ def _check_sum(arrays: _Arrays, elements: list[Element], n: int) -> None:
     for kind in _KINDS:
         if kind not in arrays and f"{kind}_values" not in arrays:
             continue
-        whole = sum(_matrices(arrays, kind, n, 1), csc_array((n, n)))
+        matrix = sum(_matrices(arrays, kind, n, 1), csc_array((n, n)))
         parts = [e.mass if kind == "mass" else e.axial + _or_none(e) for e in elements]
         r = np.concatenate([np.repeat(e.rows, len(e.rows)) for e in elements])
         c = np.concatenate([np.tile(e.rows, len(e.rows)) for e in elements])
         added = csc_array((np.concatenate([part.ravel() for part in parts]), (r, c)), shape=(n, n))
-        off = float(abs(whole - added).max()) / max(float(abs(whole).max()), 1e-300)
+        off = float(abs(matrix - added).max()) / max(float(abs(matrix).max()), 1e-300)
         if off > MODEL_FILE.sum_tolerance:
             raise InvalidInputError(
                 f"the elements do not add up to the {kind}",

@@ -83,8 +83,8 @@ def measure(
     else:
         spectra = expected_spectra(measuring_chain)
     progress(1.0, "measured")
-    kept = measuring_chain.setup.analyser.lines_at(setup.analyser.freq)
-    return measurement_of(spectra.at(kept), declared)
+    lines = measuring_chain.setup.analyser.lines_at(setup.analyser.freq)
+    return measurement_of(spectra.at(lines), declared)
 
 
 def _check_band(setup: RigSetup) -> None:
@@ -192,7 +192,7 @@ class _Table:
 
     def placed(self, runs: NDArray[Any]) -> NDArray[Any]:
         """Return values (n_run, n_freq, n_out, n_in) of all runs side by side, (n_freq, all, all)."""
-        whole = np.empty((runs.shape[1], *self._size), runs.dtype)
+        combined = np.empty((runs.shape[1], *self._size), runs.dtype)
         for run, (rows, columns) in zip(runs, self._places, strict=True):
-            whole[:, rows, columns] = run
-        return whole
+            combined[:, rows, columns] = run
+        return combined

@@ -40,8 +40,8 @@ class RingingModes:
         Every period that the decay lasts beyond the first: A z^(j + m period), m = 1, 2, ...
         """
         samples = np.arange(period) - period // 2
-        whole = np.exp(2j * np.pi * self.poles * period)
-        wrapped = self.amplitudes * (whole / (1 - whole))[:, None]
+        period_factor = np.exp(2j * np.pi * self.poles * period)
+        wrapped = self.amplitudes * (period_factor / (1 - period_factor))[:, None]
         return np.asarray(2 * (np.exp(2j * np.pi * self.poles * samples[:, None]) @ wrapped).real)
 
 

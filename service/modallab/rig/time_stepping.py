@@ -173,8 +173,8 @@ def _step(omega: float, damping: float, step: float) -> FloatArray:
     a = np.zeros((4, 4))
     a[0, 1], a[1, 0], a[1, 1] = 1.0, -(omega**2), -damping
     a[1, 2], a[2, 3] = 1.0, 1.0 / step  # force u, rising at (new - old)/step
-    whole = expm(a * step)[:2]
-    return np.column_stack([whole[:, :2], whole[:, 2] - whole[:, 3], whole[:, 3]])
+    transition = expm(a * step)[:2]
+    return np.column_stack([transition[:, :2], transition[:, 2] - transition[:, 3], transition[:, 3]])
 
 
 def residual_forces(

@@ -191,8 +191,8 @@ def split_by_scope(effects: Sequence[Effect]) -> tuple[list[Effect], list[Effect
     """Return the effects on the whole structure, equal in every run, and all others."""
     scopes = [effect.structural and effect.tolerance is not None for effect in effects]
     return (
-        [effect for effect, whole in zip(effects, scopes, strict=True) if whole],
-        [effect for effect, whole in zip(effects, scopes, strict=True) if not whole],
+        [effect for effect, is_global in zip(effects, scopes, strict=True) if is_global],
+        [effect for effect, is_global in zip(effects, scopes, strict=True) if not is_global],
     )
 
 

@@ -40,9 +40,9 @@ class DeviatingModel:
     def at_position(self, position: FloatArray, run: AcquisitionRun) -> "DeviatingModel":
         """Return the state with the nuisance parameters at a position (n,)."""
         # Deviations of the whole structure are equal in every run: applied once.
-        whole, deviations = split_by_scope(self.nuisances.effects(position))
+        global_effects, deviations = split_by_scope(self.nuisances.effects(position))
         system = self.system
-        for effect in whole:
+        for effect in global_effects:
             system = effect.on_system(system, run)
         return replace(self, deviating_system=system, position=position, run_deviations=tuple(deviations))
 

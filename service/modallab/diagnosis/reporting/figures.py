@@ -213,9 +213,9 @@ def _unmeasured(curves: DiagnosisCurves, i: int) -> str:
     x, (levels,) = svg.thinned(curves.freq, [predicted], DRAWING.curve_points)
     frame = svg.Frame(svg.frequencies(curves.freq), _axis_of("magnitude", (levels,)))
     name = f"{curves.predicted_outputs[i]} / {curves.inputs[0]}"
-    picture = svg.chart(frame, f"magnitude of {name}, predicted", [svg.line(frame, x, levels, "after")])
+    chart = svg.chart(frame, f"magnitude of {name}, predicted", [svg.line(frame, x, levels, "after")])
     caption = f"Response {name}, not measured: prediction."
-    return f"<figure>{picture}<figcaption>{escape(caption)}</figcaption></figure>"
+    return f"<figure>{chart}<figcaption>{escape(caption)}</figcaption></figure>"
 
 
 def _decibel(values: ComplexArray, valid: BoolArray) -> FloatArray:

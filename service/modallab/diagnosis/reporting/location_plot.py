@@ -44,9 +44,9 @@ def location_drawings(diagnosis: Diagnosis) -> str:
     return f'<p class="soft">{caption}<br/>{legend}</p>{drawings}'
 
 
-def _figure(picture: str, words: str, style: str = "") -> str:
+def _figure(drawing: str, words: str, style: str = "") -> str:
     mark = f' class="{style}"' if style else ""
-    return f"<figure{mark}>{picture}<figcaption>{words}</figcaption></figure>"
+    return f"<figure{mark}>{drawing}<figcaption>{words}</figcaption></figure>"
 
 
 def _map(curves: FrfCurves, predicted: ComplexArray, stage: str) -> str:

@@ -23,8 +23,8 @@ class RunErrors:
 
     def at(self, lines: IntArray) -> "RunErrors":
         """Return the errors at some of all lines, (n,) rising indices."""
-        _, places, kept = np.intersect1d(lines, self.lines, return_indices=True)
-        return RunErrors(places, self.frfs.at(kept), self.responses.at(kept))
+        _, places, rows = np.intersect1d(lines, self.lines, return_indices=True)
+        return RunErrors(places, self.frfs.at(rows), self.responses.at(rows))
 
     def moved(self, n_before: int, columns: IntArray) -> "RunErrors":
         """Return the errors in a stack of tests.

@@ -95,13 +95,13 @@ class AttachedStiffness:
         if len(blocks) == 1:
             return blocks[0]
         r = sum(block.shape[-1] for block in blocks)
-        whole = np.zeros((len(variants), len(self._omega), r, r), complex)
+        block_matrix = np.zeros((len(variants), len(self._omega), r, r), complex)
         start = 0
         for block in blocks:
             stop = start + block.shape[-1]
-            whole[..., start:stop, start:stop] = block
+            block_matrix[..., start:stop, start:stop] = block
             start = stop
-        return whole
+        return block_matrix
 
     def _stiffness(self, attachments: Attachments, basis: FloatArray) -> ComplexArray:
         """Return the stiffness of attachments in a basis (n, r) of their motions, (n_freq, r, r)."""

@@ -43,8 +43,10 @@ def equivalent_fits(predictor: Predictor, step: AcceptedEffect, chosen: Fit) -> 
     pool = [
         candidate for candidate in step.round_fits if abs(candidate.chi_square - chosen.chi_square) < limit
     ]
-    fewest = {
+    least_parameters = {
         structural: min(c.n_parameters for c in pool if c.effects[-1].structural == structural)
         for structural in {c.effects[-1].structural for c in pool}
     }
-    return [c for c in pool if c is not chosen and c.n_parameters == fewest[c.effects[-1].structural]]
+    return [
+        c for c in pool if c is not chosen and c.n_parameters == least_parameters[c.effects[-1].structural]
+    ]

@@ -194,14 +194,14 @@ def _factored(constant: ComplexArray, error: FloatArray) -> _Factors:
     misfit = np.abs(constant - psi[:, :, None] * participation[:, None]) ** 2
     spare = n_dof * n_ref - n_dof - n_ref + 1
     score = np.sqrt((weight * misfit).sum(axis=(1, 2)) / (2 * max(spare, 1)))
-    whole = (np.abs(constant) ** 2).sum(axis=(1, 2))
+    total_power = (np.abs(constant) ** 2).sum(axis=(1, 2))
     wide = np.maximum(score, 1.0)[:, None]
     return _Factors(
         psi,
         participation,
         wide / np.sqrt(psi_power),
         wide / np.sqrt(np.where(power > 0, power, np.inf)),
-        np.sqrt(misfit.sum(axis=(1, 2)) / np.where(whole > 0, whole, 1.0)),
+        np.sqrt(misfit.sum(axis=(1, 2)) / np.where(total_power > 0, total_power, 1.0)),
         score,
     )
 
@@ -224,7 +224,7 @@ def _scale(factors: _Factors, rows: IntArray, at: IntArray, sense: IntArray) -> 
     square = (weight * psi.conj() * participation).sum(axis=1) / np.where(moves, power, 1.0)
     size = np.where(square != 0, np.abs(square), 1.0)
     expected = square[:, None] * psi
-    gap, whole = np.abs(participation - expected) ** 2, (np.abs(expected) ** 2).sum(axis=1)
+    gap, total_power = np.abs(participation - expected) ** 2, (np.abs(expected) ** 2).sum(axis=1)
     score = np.sqrt((weight * gap).sum(axis=1) / (2 * max(len(at) - 1, 1)))
     error = np.maximum(score, 1.0) / np.sqrt(np.where(moves, power, 1.0)) / size
     strongest = np.abs(psi * participation).argmax(axis=1)
@@ -232,7 +232,7 @@ def _scale(factors: _Factors, rows: IntArray, at: IntArray, sense: IntArray) -> 
     return Scale(
         square=square,
         relative=error,
-        inconsistency=np.sqrt(gap.sum(axis=1) / np.where(whole > 0, whole, 1.0)),
+        inconsistency=np.sqrt(gap.sum(axis=1) / np.where(total_power > 0, total_power, 1.0)),
         score=score,
         drive_constant=(psi * participation)[modes, strongest],
         drive_constant_error=blur[modes, strongest],

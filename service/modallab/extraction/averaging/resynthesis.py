@@ -165,8 +165,10 @@ def relative_error(
         return np.asarray((usable * (freq[:, None] * np.abs(values) / size) ** 2).sum(axis=0))
 
     size = np.maximum((np.abs(measured) * freq[:, None]).max(initial=0.0), SAFE_DIVISOR)
-    whole = power(measured)
-    return np.asarray(np.sqrt(power(remainder) / np.where(whole > 0, whole, 1.0)) * (whole > 0))
+    measured_power = power(measured)
+    return np.asarray(
+        np.sqrt(power(remainder) / np.where(measured_power > 0, measured_power, 1.0)) * (measured_power > 0)
+    )
 
 
 def _modes(model: ModalModel, freq: FloatArray, pole: ComplexArray, constant: ComplexArray) -> ComplexArray:

@@ -118,8 +118,8 @@ def _residues(z_data: ZDomainData, fractions: Fractions, row: IntArray, z: Compl
         numerator = (of_all @ part.reshape(-1, terms * n_in).T).reshape(n_orders, n_in * n, terms)
         value = at.of(numerator.swapaxes(1, 2))
         across[:, start : start + n] = (value.reshape(len(z), n_in, n) * v[:, :, None]).sum(axis=1)
-    whole = across[:, :, None] * (u / steep[:, None])[:, None, :] * z_data.scale
-    return np.asarray(whole.reshape(len(z), z_data.scale.size))
+    derivatives = across[:, :, None] * (u / steep[:, None])[:, None, :] * z_data.scale
+    return np.asarray(derivatives.reshape(len(z), z_data.scale.size))
 
 
 def _powers(z: ComplexArray, terms: int) -> ComplexArray:

@@ -241,6 +241,6 @@ def _along_diagonals(matrices: ComplexArray) -> ComplexArray:
 def _noise_level(factor: ComplexArray, added: ComplexArray) -> float:
     """Return the largest c for which `M - c C` has no negative eigenvalue, from the Cholesky factor of M."""
     inverse = _inverse(factor[None])[0]
-    whole = inverse @ added @ inverse.conj().T
-    largest = float(np.linalg.eigvalsh(whole)[-1])
+    covariance = inverse @ added @ inverse.conj().T
+    largest = float(np.linalg.eigvalsh(covariance)[-1])
     return 1 / largest if largest > 0 else 0.0

@@ -39,10 +39,10 @@ class ReferenceMixing:
             return frf_products
         by_reference = frf_products.reshape(-1, *self.matrices.shape[:2], frf_products.shape[2])
         total = np.zeros((len(by_reference), self.matrices.shape[2], self.matrices.shape[2]))
-        for k, whole in enumerate(self.matrices):
-            nonzero = np.flatnonzero(whole.any(axis=0))  # columns that belong to this reference
+        for k, mixing_matrix in enumerate(self.matrices):
+            nonzero = np.flatnonzero(mixing_matrix.any(axis=0))  # columns that belong to this reference
             total[:, nonzero[:, None], nonzero] += (
-                whole[:, nonzero].T @ by_reference[:, k] @ whole[:, nonzero]
+                mixing_matrix[:, nonzero].T @ by_reference[:, k] @ mixing_matrix[:, nonzero]
             )
         return total
 
@@ -54,9 +54,11 @@ class ReferenceMixing:
         if self.matrices is None:
             return frf_sums
         columns = frf_sums.shape[1] == self.n_frf_columns
-        whole = self.matrices[:, : self.n_frf_columns, : self.n_dof_columns] if columns else self.matrices
-        by_reference = frf_sums.reshape(-1, len(whole), frf_sums.shape[1])
-        return np.asarray(np.einsum("jkl,klc->jc", by_reference, whole, optimize=True))
+        mixing_matrix = (
+            self.matrices[:, : self.n_frf_columns, : self.n_dof_columns] if columns else self.matrices
+        )
+        by_reference = frf_sums.reshape(-1, len(mixing_matrix), frf_sums.shape[1])
+        return np.asarray(np.einsum("jkl,klc->jc", by_reference, mixing_matrix, optimize=True))
 
     def coefficients(self, of_all: FloatArray) -> FloatArray:
         """Return the coefficients of every FRF (n_frf, n_each) from those of the DoFs (n_dof, n_all)."""
@@ -69,7 +71,11 @@ class ReferenceMixing:
 
     def influence(self, of_all: FloatArray) -> list[FloatArray]:
         """Return the rows of each reference, (n_dof, n_each, n), from those of the DoFs (n_dof, n_all, n)."""
-        return [of_all] if self.matrices is None else [np.asarray(whole @ of_all) for whole in self.matrices]
+        return (
+            [of_all]
+            if self.matrices is None
+            else [np.asarray(mixing_matrix @ of_all) for mixing_matrix in self.matrices]
+        )
 
 
 def reference_mixing(basis: PoleBasis, parameters: FloatArray, n_residuals: int) -> ReferenceMixing:
@@ -86,14 +92,14 @@ def reference_mixing(basis: PoleBasis, parameters: FloatArray, n_residuals: int)
         return ReferenceMixing(None, n_each + n_modes * basis.slope_weights.shape[2], n_each, n_each)
     n_ref, _, n_own, n_slopes = mixing.shape
     n_all = 2 * n_modes + n_ref * n_residuals
-    whole = np.zeros((n_ref, n_each + n_modes * (n_own - 2), n_all + n_modes * (n_slopes - 2)))
+    mixing_matrix = np.zeros((n_ref, n_each + n_modes * (n_own - 2), n_all + n_modes * (n_slopes - 2)))
     modes, residuals = np.arange(n_modes), np.arange(n_residuals)
     rows = np.concatenate([_of_modes(modes, 2, 0), _of_modes(modes, n_own - 2, n_each)], axis=1)
     columns = np.concatenate([_of_modes(modes, 2, 0), _of_modes(modes, n_slopes - 2, n_all)], axis=1)
     for k in range(n_ref):
-        whole[k, rows[:, :, None], columns[:, None, :]] = mixing[k]
-        whole[k, 2 * n_modes + residuals, 2 * n_modes + k * n_residuals + residuals] = 1.0
-    return ReferenceMixing(whole, whole.shape[1], n_each, n_all)
+        mixing_matrix[k, rows[:, :, None], columns[:, None, :]] = mixing[k]
+        mixing_matrix[k, 2 * n_modes + residuals, 2 * n_modes + k * n_residuals + residuals] = 1.0
+    return ReferenceMixing(mixing_matrix, mixing_matrix.shape[1], n_each, n_all)
 
 
 def _of_modes(modes: IntArray, n: int, offset: int) -> IntArray:

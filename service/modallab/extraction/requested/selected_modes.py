@@ -157,12 +157,12 @@ def _doubtful(model: ModalModel, selection: ModeSelection) -> tuple[DoubtfulMode
 def _without_neighbours(mode: Mode, gone: Sequence[float]) -> Mode:
     """Return a mode without flags that name a neighbour which is no mode any more."""
     names = [f"{frequency:.5g} Hz" for frequency in gone]
-    kept = [
+    remaining_flags = [
         flag
         for flag in mode.flags
         if flag_kind(flag) not in NEIGHBOUR_KINDS or not any(name in flag for name in names)
     ]
-    return replace(mode, flags=tuple(kept))
+    return replace(mode, flags=tuple(remaining_flags))
 
 
 def _renumbered(notes: Sequence[str], number: dict[int, int]) -> Iterator[str]:
