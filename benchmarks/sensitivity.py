@@ -55,7 +55,7 @@ ROOMS = ("modallab.diagnosis",)
 LEAST_CHANGES = 1  # changed cases from which on the fields of a group are varied one by one
 EXPLANATION = """
 Each settings dataclass of the diagnosis is halved and doubled, all fields together, and its fields one by
-one where that changed an answer (`python -m benchmarks.sensitivity`). Wins and losses are cases that are
+one where that changed an answer; terms are in the [glossary](glossary.md). Wins and losses are cases that are
 right only with the variation, or only without it; chance is the two-sided sign test's. Settings that are
 not listed changed no answer.
 """
@@ -236,7 +236,7 @@ def report(study: Study) -> str:
     lines = [
         "# How sensitive answers are to settings",
         "",
-        *textwrap.wrap(EXPLANATION, 120),
+        *textwrap.wrap(EXPLANATION.strip(), 120),
         "",
         f"{right} of {len(base)} cases are right with the settings as they are{failed}.",
         "",
