@@ -112,8 +112,9 @@ def window_shown(values: ComplexArray, coherence: FloatArray, averages: float, d
     """Return the name of the window that the random errors of neighbouring lines show.
 
     It is the declared one unless another sum of cosines is likelier by several standard errors of the
-    logarithm of the likelihood ratio (Vuong 1989, Econometrica 57, 307-333). Stretches of lines that scatter
-    more than coherence and averages tell are left out: there the smooth local model does not hold.
+    logarithm of the likelihood ratio (Vuong 1989, Econometrica 57, 307-333). Stretches of lines whose scatter
+    is not that which coherence and averages tell are left out: where it is more the smooth local model does
+    not hold, where it is less the lines have no random errors.
 
     Parameters
     ----------
@@ -132,7 +133,7 @@ def window_shown(values: ComplexArray, coherence: FloatArray, averages: float, d
         return declared
     fits = _residuals(stretches, np.eye(LINE_SCATTER.stretch_lines))
     n_spare = fits[1].shape[1]
-    limit = n_spare + LINE_SCATTER.plausible_scatter * np.sqrt(n_spare)
+    limit = LINE_SCATTER.plausible_scatter * np.sqrt(n_spare)
     plausible = np.zeros(len(fits[1]), bool)
     likelihoods = {}
     for name, window in windows.items():
@@ -140,7 +141,8 @@ def window_shown(values: ComplexArray, coherence: FloatArray, averages: float, d
         each = [log_likelihoods(*fits, correlation) for correlation in correlations]
         best = int(np.argmax([likelihood.sum() for likelihood in each]))
         likelihoods[name] = each[best]
-        plausible |= whitened_squares(*fits, correlations[best])[0] * (averages - 1) < limit
+        excess = whitened_squares(*fits, correlations[best])[0] * (averages - 1) - n_spare
+        plausible |= np.abs(excess) < limit
     if plausible.sum() < LINE_SCATTER.min_stretches:
         return declared
     gains = {name: (each - likelihoods[declared])[plausible] for name, each in likelihoods.items()}

@@ -130,7 +130,7 @@ class LineScatterSettings(Settings):
     plausible_scatter: float = setting(
         3.0,
         unit="standard deviations",
-        doc="excess of a stretch's scatter above which it does not tell the window",
+        doc="difference of a stretch's scatter from the expected one above which it does not tell the window",
         derived="one stretch in some hundred, where the local model holds",
     )
     window_significance: float = setting(

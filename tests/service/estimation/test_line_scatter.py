@@ -86,6 +86,14 @@ def test_too_few_lines_leave_the_declared_window() -> None:
     assert window_shown(frfs(test)[few, :1], test.coherence[1:][few, :1], 40, "rectangular") == "rectangular"
 
 
+def test_lines_without_random_errors_leave_the_declared_window() -> None:
+    """Residuals of exact lines with a coherence below 1 are those of the local model, which are smooth."""
+    setup = measured(40, "periodic_random", "rectangular", 1).setup
+    test = measure(model(), setup, route=Route.EXPECTED, rng=np.random.default_rng(0))
+    assert test.coherence is not None
+    assert window_shown(frfs(test), test.coherence[1:], 40, "rectangular") == "rectangular"
+
+
 def test_a_coherence_of_one_leaves_the_declared_window() -> None:
     assert window_shown(np.ones((200, 2), complex), np.ones((200, 2)), 40, "hann") == "hann"
 
