@@ -74,18 +74,22 @@ class SearchTask:
         """Return the result of the search, and the assumed tolerances if they were needed.
 
         The stated tolerances come first: a model that is exact loses nothing by those assumed. They are not
-        searched further where the assumed ones leave random error alone, beside one effect at most.
+        searched further where the assumed ones leave random error alone, beside one effect at most. Where
+        they do so only by deviations that cost more than a parameter, one effect without them is preferred.
         """
         pulse(0.0, "predicting the tests from model and log book")
         first = self._start(stated, pulse)
         if assumed is None or is_noise_only(first.predictor, first.path.fit):
             return self._search_from(first, self.max_effects, pulse), None
         second = self._start(assumed, pulse)
-        if is_noise_only(second.predictor, second.path.fit):
+        nothing_missing = is_noise_only(second.predictor, second.path.fit)
+        if nothing_missing and second.path.fit.prior_cost < second.path.fit.cost_per_parameter:
             return second, assumed
         # A search for one effect that explains nothing ends before half of its progress.
         single_effects = self._first_round(first, part(pulse, 0.05, 0.25))
         found = self._search_from(first, 1, pulse, single_effects)
+        if nothing_missing:
+            return (second, assumed) if found.unexplained_parts else (found, None)
         if "frf" not in found.unexplained_parts:
             return found, None
         alone = fit(second.predictor, found.path.fit.effects)

@@ -47,6 +47,23 @@ def test_a_model_that_is_a_little_wrong_everywhere_misses_nothing() -> None:
     assert "modulus_variation 0.005" in note
 
 
+def test_an_effect_is_not_hidden_by_several_deviations_of_an_assumed_tolerance() -> None:
+    """A modulus 4.2 % off is three and two standard deviations of modulus and density, or one effect."""
+    found = diagnosed(StiffnessError(None, 1.042))
+    assert found.verdict is Verdict.EXPLAINED
+    (step,) = found.steps
+    assert (step.effect.kind, step.effect.at) == ("stiffness_error", None)
+    factor = step.effect.parameters["factor"]
+    assert abs(factor.value - 1.042) < 4 * factor.standard_error  # four standard errors
+    assert not found.tolerated
+
+
+def test_a_deviation_within_an_assumed_tolerance_is_no_effect() -> None:
+    found = diagnosed(StiffnessError(None, 1.01))
+    assert found.verdict is Verdict.NOTHING_MISSING
+    assert found.tolerated
+
+
 def test_an_effect_beside_it_is_named() -> None:
     found = diagnosed(INEXACT, StiffnessError(Members((3,)), 0.6))
     assert [step.effect.kind for step in found.steps] == ["stiffness_error"]

@@ -74,8 +74,18 @@ class Fit:
     @property
     def bic(self) -> float:
         """Bayesian information criterion, times the correlation length of the data; lower is better."""
+        return self.chi_square + self.n_parameters * self.cost_per_parameter
+
+    @property
+    def cost_per_parameter(self) -> float:
+        """Share of one parameter in the BIC."""
         independent = max(self.n_data / self.correlation_length, 2)
-        return self.chi_square + self.n_parameters * self.correlation_length * float(np.log(independent))
+        return self.correlation_length * float(np.log(independent))
+
+    @property
+    def prior_cost(self) -> float:
+        """Share of the nuisance parameters' prior in `chi_square`."""
+        return self.correlation_length * float(self.nuisance_position @ self.nuisance_position)
 
 
 def fit(predictor: Predictor, effects: Sequence[Effect], *, fixed: Sequence[Effect] = ()) -> Fit:
