@@ -74,8 +74,9 @@ class SearchTask:
         """Return the result of the search, and the assumed tolerances if they were needed.
 
         The stated tolerances come first: a model that is exact loses nothing by those assumed. They are not
-        searched further where the assumed ones leave random error alone, beside one effect at most. Where
-        they do so only by deviations that cost more than a parameter, one effect without them is preferred.
+        searched further where the assumed ones leave random error alone, beside one effect at most. If
+        the nuisance parameters then deviate by more than an additional parameter costs, a single effect that
+        leaves random error alone under the stated tolerances is preferred.
         """
         pulse(0.0, "predicting the tests from model and log book")
         first = self._start(stated, pulse)

@@ -135,41 +135,28 @@ def _thinned(complement: ComplexArray, residual: ComplexArray) -> tuple[ComplexA
     return complement[::step], residual[::step]
 
 
-def whitened_squares(
+def log_likelihoods(
     complement: ComplexArray, residual: ComplexArray, correlation: ErrorCorrelation
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the sum of squares of each fit's whitened residuals, and the log-determinant, (n_fits,) both.
+    """Return the log-likelihood of each fit but for a constant, and its whitened sum of squares, (n_fits,).
 
-    Parameters
-    ----------
-    complement, residual
-        As in `likeliest_correlation`; the expectation of a sum is n_spare times the variance of a line.
+    Each fit has its own variance, which limits the weight of fits whose model does not hold. The expectation
+    of a sum of squares is n_spare times the variance of a line. Parameters as in `likeliest_correlation`.
     """
     n_lines = complement.shape[1]
     of_lines = correlation.matrix(n_lines) + SUM_ROUNDING * np.eye(n_lines)
     factor = np.linalg.cholesky(complement.conj().swapaxes(1, 2) @ of_lines @ complement)
     white = np.linalg.solve(factor, residual[..., None])[..., 0]
     log_determinant = 2 * np.log(np.diagonal(factor, axis1=1, axis2=2).real).sum(axis=1)
-    return (np.abs(white) ** 2).sum(axis=1), log_determinant
-
-
-def log_likelihoods(
-    complement: ComplexArray, residual: ComplexArray, correlation: ErrorCorrelation
-) -> FloatArray:
-    """Return the log-likelihood of each fit but for a constant, (n_fits,), each with its own variance.
-
-    The separate variances limit the weight of fits whose model does not hold. Parameters as in
-    `whitened_squares`.
-    """
-    squares, log_determinant = whitened_squares(complement, residual, correlation)
-    return np.asarray(-complement.shape[2] * np.log(squares + SAFE_DIVISOR) - log_determinant)
+    squares = (np.abs(white) ** 2).sum(axis=1)
+    return -complement.shape[2] * np.log(squares + SAFE_DIVISOR) - log_determinant, squares
 
 
 def _negative_likelihood(
     complement: ComplexArray, residual: ComplexArray, correlation: ErrorCorrelation
 ) -> float:
     """Return minus the mean log-likelihood of a fit."""
-    return float(-log_likelihoods(complement, residual, correlation).mean())
+    return -float(log_likelihoods(complement, residual, correlation)[0].mean())
 
 
 def _candidates(window: Window | None) -> Iterator[ErrorCorrelation]:

@@ -12,7 +12,6 @@ from modallab.estimation.error_correlation import (
     likeliest_correlation,
     log_likelihoods,
     refined_correlation,
-    whitened_squares,
 )
 from modallab.estimation.settings import LINE_SCATTER
 from modallab.estimation.windows import WINDOWS, Window
@@ -108,20 +107,18 @@ def estimated_error(values: ComplexArray, window: Window | None) -> tuple[Estima
     return tuple(errors)
 
 
-def window_shown(values: ComplexArray, coherence: FloatArray, averages: float, declared: str) -> str:
-    """Return the name of the window that the random errors of neighbouring lines show.
+def likeliest_window(values: ComplexArray, coherence: FloatArray, averages: float, declared: str) -> str:
+    """Return the name of the window under which the random errors of neighbouring lines are likeliest.
 
-    It is the declared one unless another sum of cosines is likelier by several standard errors of the
-    logarithm of the likelihood ratio (Vuong 1989, Econometrica 57, 307-333). Stretches of lines whose scatter
-    is not that which coherence and averages tell are left out: where it is more the smooth local model does
-    not hold, where it is less the lines have no random errors.
+    Another sum of cosines than the declared one must be likelier by several standard errors of the logarithm
+    of the likelihood ratio (Vuong 1989, Econometrica 57, 307-333). Only those stretches of lines count whose
+    scatter is the one that coherence and averages tell: where it is larger the smooth local model does not
+    hold, where it is smaller the lines have no random errors.
 
     Parameters
     ----------
-    values
-        (n_freq, n_frf) FRFs.
-    coherence
-        (n_freq, n_frf), 0 to 1.
+    values, coherence
+        As in `estimated_averages`.
     averages
         Effective number of averages.
     declared
@@ -139,10 +136,8 @@ def window_shown(values: ComplexArray, coherence: FloatArray, averages: float, d
     for name, window in windows.items():
         correlations = [ErrorCorrelation(window, random_force=random) for random in (False, True)]
         each = [log_likelihoods(*fits, correlation) for correlation in correlations]
-        best = int(np.argmax([likelihood.sum() for likelihood in each]))
-        likelihoods[name] = each[best]
-        excess = whitened_squares(*fits, correlations[best])[0] * (averages - 1) - n_spare
-        plausible |= np.abs(excess) < limit
+        likelihoods[name], squares = max(each, key=lambda pair: float(pair[0].sum()))
+        plausible |= np.abs(squares * (averages - 1) - n_spare) < limit
     if plausible.sum() < LINE_SCATTER.min_stretches:
         return declared
     gains = {name: (each - likelihoods[declared])[plausible] for name, each in likelihoods.items()}

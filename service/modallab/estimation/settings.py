@@ -137,7 +137,7 @@ class LineScatterSettings(Settings):
         3.0,
         unit="standard errors",
         doc="log-likelihood ratio from which on another window than the declared one is taken",
-        derived="chance 1e-3 where both are equally near; the declared one, if right, is 9 and more ahead",
+        derived="chance 1e-3 where both are equally likely; of 46 true log books none was behind",
     )
 
 

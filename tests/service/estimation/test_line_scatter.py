@@ -7,7 +7,7 @@ import pytest
 
 from modallab.core.arrays import ComplexArray
 from modallab.core.errors import InvalidInputError
-from modallab.estimation.line_scatter import estimated_averages, estimated_error, window_shown
+from modallab.estimation.line_scatter import estimated_averages, estimated_error, likeliest_window
 from modallab.estimation.windows import WINDOWS
 from modallab.rig.analyser import ExcitationSetting
 from modallab.rig.hardware import Noise
@@ -76,14 +76,16 @@ def test_lines_show_an_undeclared_window(kind: str, window: str, random_force: b
 def test_lines_show_the_window_whatever_is_declared(kind: str, window: str, seed: int, declared: str) -> None:
     test = measured(40, kind, window, seed)
     assert test.coherence is not None
-    assert window_shown(frfs(test), test.coherence[1:], test.averages, declared) == window
+    assert likeliest_window(frfs(test), test.coherence[1:], test.averages, declared) == window
 
 
 def test_too_few_lines_leave_the_declared_window() -> None:
     test = measured(40, "random", "hann", 1)
     assert test.coherence is not None
     few = slice(300, 334)  # two stretches of 17 lines
-    assert window_shown(frfs(test)[few, :1], test.coherence[1:][few, :1], 40, "rectangular") == "rectangular"
+    assert (
+        likeliest_window(frfs(test)[few, :1], test.coherence[1:][few, :1], 40, "rectangular") == "rectangular"
+    )
 
 
 def test_lines_without_random_errors_leave_the_declared_window() -> None:
@@ -91,11 +93,11 @@ def test_lines_without_random_errors_leave_the_declared_window() -> None:
     setup = measured(40, "periodic_random", "rectangular", 1).setup
     test = measure(model(), setup, route=Route.EXPECTED, rng=np.random.default_rng(0))
     assert test.coherence is not None
-    assert window_shown(frfs(test), test.coherence[1:], 40, "rectangular") == "rectangular"
+    assert likeliest_window(frfs(test), test.coherence[1:], 40, "rectangular") == "rectangular"
 
 
 def test_a_coherence_of_one_leaves_the_declared_window() -> None:
-    assert window_shown(np.ones((200, 2), complex), np.ones((200, 2)), 40, "hann") == "hann"
+    assert likeliest_window(np.ones((200, 2), complex), np.ones((200, 2)), 40, "hann") == "hann"
 
 
 def test_scatter_alone_tells_the_random_error() -> None:

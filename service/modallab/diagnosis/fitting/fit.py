@@ -78,13 +78,13 @@ class Fit:
 
     @property
     def cost_per_parameter(self) -> float:
-        """Share of one parameter in the BIC."""
+        """Penalty of the BIC for one parameter."""
         independent = max(self.n_data / self.correlation_length, 2)
         return self.correlation_length * float(np.log(independent))
 
     @property
     def prior_cost(self) -> float:
-        """Share of the nuisance parameters' prior in `chi_square`."""
+        """Part of `chi_square` that is the prior of the nuisance parameters."""
         return self.correlation_length * float(self.nuisance_position @ self.nuisance_position)
 
 

@@ -1,20 +1,20 @@
-"""The window that the records of an uploaded test really had, where its log book contradicts the lines."""
+"""Correction of the window that the log book of an uploaded test declares."""
 
 from dataclasses import replace
 
 import numpy as np
 
-from modallab.estimation.line_scatter import window_shown
+from modallab.estimation.line_scatter import likeliest_window
 from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.measurement import Measurement
 
 
 def with_window_in_use(measurement: Measurement) -> tuple[Measurement, tuple[str, ...]]:
-    """Return a measurement with the window that its random errors show, and a note of a correction.
+    """Return a measurement with the window that its random errors show, and a note if that was corrected.
 
-    The window correlates the random errors of neighbouring lines whatever the structure does, and so is told
-    without a model. A window that the lines do not contradict stays; so do all windows of tests that this
-    service simulated, of transients, and of simultaneous forces.
+    The window alone determines how the random errors of neighbouring lines are correlated, so that no model
+    of the structure is needed. The declared window is corrected only in uploaded tests of one continuous
+    force.
     """
     setup = measurement.setup
     excitation = EXCITATIONS[setup.analyser.excitation.kind]
@@ -25,7 +25,7 @@ def with_window_in_use(measurement: Measurement) -> tuple[Measurement, tuple[str
     lines = measurement.frf.freq > 0
     values = np.asarray(measurement.frf.values, complex)[lines].reshape(int(lines.sum()), -1)
     declared = setup.analyser.window
-    shown = window_shown(values, coherence[lines].reshape(values.shape), measurement.averages, declared)
+    shown = likeliest_window(values, coherence[lines].reshape(values.shape), measurement.averages, declared)
     if shown == declared:
         return measurement, ()
     contradiction = (
