@@ -3,9 +3,12 @@
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial.distance import cdist
 
-from modallab.core.arrays import FloatArray
+from modallab.core.arrays import FloatArray, IntArray
+from modallab.core.numerics import SAFE_DIVISOR
 from modallab.diagnosis.optimisation.settings import RANDOM_FIELD
 from modallab.fe.member_table import MemberTable
 
@@ -26,11 +29,13 @@ class RandomField:
     def of(cls, members: MemberTable) -> "RandomField":
         """Return the field with a squared exponential covariance over the distance of centres.
 
-        Shapes of the largest variance, up to a share of the whole.
+        Different bars of a frame are independent: each was made for itself. The shapes of largest variance
+        are retained, up to a share of the whole variance.
         """
         centres = members.centres
         length = RANDOM_FIELD.correlation_length * np.ptp(centres, axis=0).max() or 1.0
-        covariance = np.exp(-(cdist(centres, centres) ** 2) / (2 * length**2))
+        bar = _bar_indices(members)
+        covariance = np.exp(-(cdist(centres, centres) ** 2) / (2 * length**2)) * (bar[:, None] == bar)
         variances, vectors = (part[..., ::-1] for part in np.linalg.eigh(covariance))
         share = np.cumsum(variances) / variances.sum()
         n = min(RANDOM_FIELD.max_shapes, 1 + int(np.searchsorted(share, RANDOM_FIELD.variance_share)))
@@ -63,3 +68,35 @@ class RandomField:
         """
         variance = np.einsum("pe,pq,qe->e", self.shapes, covariance, self.shapes)
         return np.asarray(standard_deviation * np.sqrt(variance))
+
+
+def _bar_indices(members: MemberTable) -> IntArray:
+    """Return the index (n_members,) of the bar, or the plate, of which each member is a part.
+
+    Two members belong to the same bar if they meet at a node without a corner, and to the same plate if they
+    have a node in common.
+    """
+    nodes = np.concatenate([np.asarray(ends, int) for ends in members.ends])
+    owners = np.repeat(np.arange(len(members.ends)), [len(ends) for ends in members.ends])
+    incidence = csr_array((np.ones(len(nodes)), (owners, nodes)))
+    first, second = (incidence @ incidence.T).nonzero()
+    continued = np.where(
+        members.bars[first] & members.bars[second],
+        _bends(members, first, second) < np.radians(RANDOM_FIELD.least_corner),
+        ~members.bars[first] & ~members.bars[second],
+    )
+    edges = first[continued], second[continued]
+    graph = csr_array((np.ones(len(edges[0])), edges), shape=(len(members.ends),) * 2)
+    return np.asarray(connected_components(graph, directed=False)[1])
+
+
+def _bends(members: MemberTable, first: IntArray, second: IntArray) -> FloatArray:
+    """Return the angles, rad, between bars that have an end in common; 0 where one continues the other.
+
+    The law of cosines in the triangle of the common end and both centres.
+    """
+    half = np.hypot(*(members.points[:, 1] - members.points[:, 0]).T) / 2
+    a, b = half[first], half[second]
+    c = np.linalg.norm(members.centres[first] - members.centres[second], axis=1)
+    cosine = (c**2 - a**2 - b**2) / np.maximum(2 * a * b, SAFE_DIVISOR)
+    return np.asarray(np.arccos(np.clip(cosine, -1.0, 1.0)))

@@ -125,6 +125,12 @@ class RandomFieldSettings(Settings):
         doc="correlation length over the largest extent of the structure",
         derived="half a wavelength of the ninth bending mode of a free beam (beta L = 29.8)",
     )
+    least_corner: float = setting(
+        30.0,
+        unit="degrees",
+        doc="angle between neighbouring members from which on they are parts of different bars",
+        derived="a circle of 12 members or more is one bar; corners of frames are 45 to 90 degrees",
+    )
     variance_share: float = setting(
         0.99, doc="variance of the retained shapes over that of the field", tuned=TESTS
     )

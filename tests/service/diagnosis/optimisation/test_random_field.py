@@ -1,6 +1,7 @@
 """Tests of smooth deviations of members: their expansion, and models that are a little wrong."""
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -20,7 +21,8 @@ from modallab.diagnosis.result import Verdict
 from modallab.effects.extra_mass import ExtraMass
 from modallab.fe.assembly import assemble
 from modallab.fe.beam import beam
-from modallab.fe.structure import Material, Section, Structure
+from modallab.fe.plate import plate
+from modallab.fe.structure import Material, Member, Section, Structure
 from modallab.rig.effect import Effect
 from modallab.rig.measure import Route, measure
 from modallab.rig.measurement import Measurement
@@ -77,6 +79,37 @@ def test_the_number_of_shapes_follows_from_the_structure_and_not_from_its_mesh()
     assert (
         abs(len(RandomField.of(coarse)) - len(RandomField.of(fine))) <= 1
     )  # the ends are half an element off
+
+
+def test_members_of_different_bars_are_independent() -> None:
+    # a T of two bars: 21 nodes along X, and 10 more from their middle on, with a bend of 10 degrees half way
+    bend = np.radians(10.0)
+    nodes = {i + 1: (0.1 * i, 0.0) for i in range(21)}
+    height = np.arange(1, 11) * 0.1
+    offset = np.tan(bend) * np.maximum(height - 0.5, 0.0)
+    nodes |= {22 + i: (1.0 + float(x), float(y)) for i, (x, y) in enumerate(zip(offset, height, strict=True))}
+    pairs = [*pairwise(range(1, 22)), *pairwise([11, *range(22, 32)])]
+    section, material = Section(1e-4, 1e-9), Material(2e11, 7800.0)
+    members = tuple(Member(i, pair, section, material) for i, pair in enumerate(pairs, 1))
+    table = assemble(Structure(nodes=nodes, members=members)).members
+    assert table is not None
+    field = RandomField.of(table)
+    covariance = field.shapes.T @ field.shapes
+    assert (np.abs(covariance[:20, 20:]) < 1e-9).all()  # rounding of eigenvectors
+    # centres half a correlation length (0.2 m) apart, also across the bend; 1 % of the variance is omitted
+    assert np.diag(covariance, 1)[[5, 24]] == pytest.approx(np.exp(-(0.5**2) / 2), abs=0.05)
+
+
+def test_elements_of_a_plate_are_one_part() -> None:
+    material = Material(2.09e11, 7800.0)
+    made = plate(length=0.6, width=0.6, thickness=0.004, n_elements=(8, 8), material=material)
+    table = assemble(made).members
+    assert table is not None
+    field = RandomField.of(table)
+    covariance = field.shapes.T @ field.shapes
+    from_centre = covariance[27] / covariance[27, 27]
+    assert from_centre[[26, 28, 19, 35]] == pytest.approx(0.36, abs=0.15)  # 1.43 lengths; 40 shapes of 64
+    assert abs(from_centre[7]) < 0.1  # a corner
 
 
 def test_factors_of_members_act_as_members_of_other_factors() -> None:
