@@ -11,7 +11,7 @@ from benchmarks.trial.tolerated import Tolerated
 from modallab.core.arrays import BoolArray
 from modallab.core.dof import Dof
 from modallab.core.errors import ModalLabError
-from modallab.core.place import Channels, Place
+from modallab.core.place import Channels, Dofs, Place
 from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.diagnosis.result import Diagnosis, FittedEffect, Verdict
 from modallab.rig.effect import EFFECTS, Effect
@@ -67,7 +67,7 @@ def is_same_effect(effects: FittedEffect, effect: Effect) -> bool:
 def _unsigned(place: Place) -> object:
     if isinstance(place, Dof):
         return place.point
-    return frozenset(dof.point for dof in place.dofs) if isinstance(place, Channels) else place
+    return frozenset(dof.point for dof in place.dofs) if isinstance(place, Channels | Dofs) else place
 
 
 def _steps(case: Case, diagnosis: Diagnosis) -> dict[str, Any]:

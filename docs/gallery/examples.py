@@ -2,7 +2,7 @@
 
 from docs.gallery.example import Example, structure
 from modallab.core.dof import Dof
-from modallab.core.place import Channels, Members, Place
+from modallab.core.place import Channels, Dofs, Members, Place
 from modallab.fe.assembly import assemble
 from modallab.rig.effect import EFFECTS, Stage
 from modallab.rig.setup import RigSetup
@@ -305,6 +305,8 @@ def _plain(kind: str) -> Example:
 def _written(place: Place) -> object:
     if isinstance(place, Members):
         return {"members": list(place.numbers)}
+    if isinstance(place, Dofs):
+        return {"dofs": [str(dof) for dof in place.dofs]}
     if isinstance(place, Channels):
         return {"channels": [str(dof) for dof in place.dofs]}
     return place if place is None else str(place)

@@ -11,7 +11,7 @@ from docs.gallery.example import DESCRIBED, Example
 from docs.gallery.examples import GROUPS, example_of, group_of
 from docs.gallery.words import HARDWARE, SIMILAR_EFFECTS
 from modallab.core.dof import Dof
-from modallab.core.place import Channels, Members
+from modallab.core.place import Channels, Dofs, Members
 from modallab.rig.effect import EFFECTS, Effect, Stage
 
 HEADER = "<!-- Written by `make docs` from the effect's class and docs/gallery: edit those. -->\n"
@@ -156,6 +156,7 @@ def _where(cls: type[Effect]) -> str:
     names = {
         NoneType: "`null` (everywhere)",
         Dof: at_dof,
+        Dofs: '`{"dofs": ["5:+Y", "17:+Y"]}` (DoFs of the structure)',
         Members: '`{"members": [3, 4]}` (members)',
         Channels: '`{"channels": ["7:+Y"]}` (response channels)',
     }

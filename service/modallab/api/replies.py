@@ -16,7 +16,7 @@ import numpy as np
 from pydantic import BeforeValidator, ConfigDict, Field, create_model
 
 from modallab.api.thinning import numbers
-from modallab.api.wire import ChannelsAt, MembersAt, Reply, StoredEntry, place_out
+from modallab.api.wire import ChannelsAt, DofsAt, MembersAt, Reply, StoredEntry, place_out
 from modallab.core.dof import Dof
 from modallab.core.options import Options
 from modallab.core.place import Place
@@ -173,7 +173,7 @@ _SCALARS: Mapping[Any, Any] = {
     Dof: Annotated[str, BeforeValidator(str)],
     complex: Annotated[_PAIR, BeforeValidator(_pair), _COMPLEX],
 }
-PlaceOut = str | MembersAt | ChannelsAt | None
+PlaceOut = str | DofsAt | MembersAt | ChannelsAt | None
 _OPTIONS = Annotated[dict[str, Any], BeforeValidator(_mapping)]
 _MAYBE = Annotated[float | None, BeforeValidator(_finite)]
 

@@ -9,7 +9,7 @@ from typing_extensions import TypeAliasType
 from modallab.api.limits import REQUEST
 from modallab.api.schema import Limits, NamedByPattern, OneOf, Pattern
 from modallab.core.dof import Dof
-from modallab.core.place import Channels, EffectSpec, Members, Place
+from modallab.core.place import Channels, Dofs, EffectSpec, Members, Place
 from modallab.fe.structure_settings import INPUT
 from modallab.rig.effect import EFFECTS, Effect, build
 from modallab.store.base import Entry
@@ -66,6 +66,13 @@ class MembersAt(Wire):
     """numbers of members"""
 
 
+class DofsAt(Wire):
+    """Degrees of freedom at which equal parts act."""
+
+    dofs: list[DofText] = Field(min_length=1, max_length=1000)
+    """degrees of freedom of the structure"""
+
+
 class ChannelsAt(Wire):
     """Response channels by the DoF each measures."""
 
@@ -78,8 +85,8 @@ class EffectIn(Wire):
 
     kind: EffectKind
     """name of the effect; `GET /v1/catalog/effects` lists them"""
-    at: DofText | MembersAt | ChannelsAt | None = None
-    """degree of freedom, members or channels where the effect acts; null: everywhere"""
+    at: DofText | DofsAt | MembersAt | ChannelsAt | None = None
+    """degree or degrees of freedom, members or channels where the effect acts; null: everywhere"""
     parameters: Annotated[dict[Text, Number], NamedByPattern()] = Field(default_factory=dict, max_length=20)
     """numbers of the effect by name, SI units; left out: the defaults of the catalogue"""
 
@@ -90,6 +97,8 @@ class EffectIn(Wire):
     def place(self) -> Place:
         """Return where the effect acts."""
         match self.at:
+            case DofsAt():
+                return Dofs(tuple(Dof.parse(text, field="at") for text in self.at.dofs))
             case MembersAt():
                 return Members(tuple(self.at.members))
             case ChannelsAt():
@@ -106,6 +115,8 @@ Effects = Annotated[tuple[EffectIn, ...], Field(max_length=50)]
 def place_out(place: Place) -> str | dict[str, Any] | None:
     """Return where an effect acts, as the contract writes it."""
     match place:
+        case Dofs():
+            return {"dofs": [str(dof) for dof in place.dofs]}
         case Members():
             return {"members": list(place.numbers)}
         case Channels():

@@ -18,6 +18,16 @@ class Members:
 
 
 @dataclass(frozen=True)
+class Dofs:
+    """DoFs of a structure at which equal parts act."""
+
+    dofs: tuple[Dof, ...]
+
+    def __str__(self) -> str:
+        return " and ".join(map(str, self.dofs))
+
+
+@dataclass(frozen=True)
 class Channels:
     """Response channels, named by the DoF each one measures."""
 
@@ -32,7 +42,7 @@ class Channels:
         return "channels " + ", ".join(map(str, self.dofs))
 
 
-Place = Dof | Members | Channels | None  # None: everywhere
+Place = Dof | Dofs | Members | Channels | None  # None: everywhere
 
 
 @dataclass(frozen=True)

@@ -113,6 +113,18 @@ class DoubleHitScan(Settings):
     )
 
 
+@dataclass(frozen=True)
+class SuspensionPlaces(Settings):
+    """Pairs of elastic bands."""
+
+    largest_offset: float = setting(
+        0.03,
+        doc="distance of a band from the mirror image of the other over the extent of the structure",
+        derived="half an element of a beam of 17; two bands a quarter of the extent off the centre carry "
+        "weights 12 % apart",
+    )
+
+
 OSCILLATOR_SCAN = OscillatorScan()
 JOINT_SCAN = JointScan()
 MIX_UP = MixUpSettings()
@@ -121,3 +133,4 @@ OVERLOAD = OverloadSettings()
 FRICTION_SCAN = FrictionScan()
 ARMATURE_SCAN = ArmatureScan()
 DOUBLE_HIT_SCAN = DoubleHitScan()
+SUSPENSION = SuspensionPlaces()

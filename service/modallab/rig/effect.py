@@ -12,7 +12,7 @@ from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, JsonValue
 from modallab.core.parameters import Parameterised
-from modallab.core.place import Channels, EffectSpec, Members, Place
+from modallab.core.place import Channels, Dofs, EffectSpec, Members, Place
 from modallab.core.registry import Family
 from modallab.correlation.evidence import Evidence
 from modallab.estimation.spectra import CrossSpectra
@@ -116,6 +116,11 @@ class Effect(Parameterised):
             structure.index(self.at)
             if self.at_drive and setup is not None and self.at.point not in {d.point for d in setup.drives}:
                 raise self._misplaced([str(dof) for dof in setup.drives])
+        elif isinstance(self.at, Dofs):
+            for dof in self.at.dofs:
+                structure.index(dof)
+            if not self.at.dofs or len({dof.point for dof in self.at.dofs}) < len(self.at.dofs):
+                raise self._misplaced("each DoF once")
         elif isinstance(self.at, Members):
             for number in self.at.numbers:
                 structure.member(number)
@@ -180,6 +185,8 @@ class Effect(Parameterised):
         """Return whether the effect acts on a DoF or channel."""
         if isinstance(self.at, Channels):
             return dof.point in self.at.points
+        if isinstance(self.at, Dofs):
+            return dof.point in {each.point for each in self.at.dofs}
         return self.at is None or (isinstance(self.at, Dof) and self.at.point == dof.point)
 
     def acts_on_channel(self, channel: Channel) -> bool:
@@ -203,7 +210,7 @@ class Effect(Parameterised):
         return EffectSpec(self.kind, self.at, self.parameters)
 
 
-_PLACES = {NoneType: "null", Dof: "a DoF", Members: "members", Channels: "channels"}
+_PLACES = {NoneType: "null", Dof: "a DoF", Dofs: "DoFs", Members: "members", Channels: "channels"}
 EFFECTS: Family[type[Effect]] = Family("effect", home="modallab.effects")
 
 

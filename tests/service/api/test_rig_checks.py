@@ -24,6 +24,17 @@ def test_a_suspension_is_declared_kept_and_checked(service: Any, beam: str) -> N
     assert service.get(f"/v1/measurements/{measured}")["id"] == measured
 
 
+def test_bands_at_two_places_are_declared_as_one_effect(service: Any) -> None:
+    effect = {
+        "kind": "suspension",
+        "at": {"dofs": ["1:+Y", "21:+Y"]},
+        "parameters": {"stiffness": 100.0, "loss_factor": 0.05},
+    }
+    body = {"drive": "1:+Y", "responses": ["1:+Y", "7:+Y"], "effects": [effect]}
+    rig = service.post("/v1/rigs", body)["id"]
+    assert service.get(f"/v1/rigs/{rig}")["effects"] == [effect]
+
+
 def test_a_rig_without_a_suspension_says_so(service: Any, rig: str, beam: str) -> None:
     assert service.get(f"/v1/rigs/{rig}")["suspension"] == {"at": [], "stiffness": 0.0, "loss_factor": 0.0}
     found = service.get(f"/v1/rigs/{rig}/checks", params={"structure_id": beam})

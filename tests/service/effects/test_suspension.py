@@ -8,6 +8,7 @@ import pytest
 
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
+from modallab.core.place import Dofs
 from modallab.effects.suspension import SuspensionStiffness
 from modallab.fe.assembly import assemble
 from modallab.fe.damping import StructuralDamping
@@ -56,6 +57,9 @@ def test_the_log_book_has_one_for_each_band() -> None:
         ("suspension.at", lambda: Declared((Dof(1, "RZ"),), 1.0)),
         ("suspension.at", lambda: Declared((Dof(1, "Y"), Dof(1, "Y", -1)), 1.0)),
         ("at", lambda: SuspensionStiffness(at=Dof(5, "RZ")).check(steel_beam())),
+        ("at", lambda: SuspensionStiffness(at=Dofs(())).check(steel_beam())),
+        ("at", lambda: SuspensionStiffness(at=Dofs((Dof(5, "Y"), Dof(5, "RZ")))).check(steel_beam())),
+        ("at", lambda: SuspensionStiffness(at=Dofs((Dof(5, "Y"), Dof(5, "Y", -1)))).check(steel_beam())),
     ],
 )
 def test_a_band_that_cannot_be_is_refused_by_name(field: str, make: Callable[[], object]) -> None:
@@ -67,4 +71,31 @@ def test_a_band_that_cannot_be_is_refused_by_name(field: str, make: Callable[[],
 def test_a_structure_that_is_held_has_no_bands_to_suspect() -> None:
     held = assemble(replace(steel_beam(), supports=(Support(1, ("Y", "RZ")),)))
     assert SuspensionStiffness.places(held, rig(1)) == ()
-    assert len(SuspensionStiffness.places(beam_system(), rig(1))) == 21
+    places = SuspensionStiffness.places(beam_system(), rig(1))
+    assert [place for place in places if isinstance(place, Dof)] == list(dofs(*range(1, 22)))
+
+
+def test_two_bands_are_those_at_both() -> None:
+    pair = SuspensionStiffness(at=Dofs(ENDS), stiffness=10.0, loss_factor=0.08)
+    singles = [SuspensionStiffness(at=dof, stiffness=10.0, loss_factor=0.08) for dof in ENDS]
+    middle = beam_system().selection((Dof(11, "Y"),))
+    systems = [chain(beam_system(), rig(1), effects).runs[0].system for effects in ([pair], singles)]
+    together, apart = (receptance(system, np.array([0.3, 30.0]), middle, middle) for system in systems)
+    np.testing.assert_allclose(together, apart, rtol=1e-9)  # the same equations in another order
+    assert pair.reduced_model() is None
+    assert singles[0].reduced_model() is not None
+
+
+def test_pairs_of_bands_stand_about_the_centre_of_mass() -> None:
+    pairs = [p for p in SuspensionStiffness.places(beam_system(), rig(1)) if isinstance(p, Dofs)]
+    assert pairs == [Dofs(dofs(i, 22 - i)) for i in range(1, 11)]
+
+
+def test_a_heavy_end_moves_the_pairs_of_bands() -> None:
+    beam = steel_beam()
+    heavy = beam.of_members(
+        replace(member, mass_factor=4.0 if member.number > 10 else 1.0) for member in beam.all_members
+    )
+    # 80 % of the mass in the right half: the centre of mass is 0.3 of half a length, 3 elements, to its right
+    pairs = [p for p in SuspensionStiffness.places(assemble(heavy), rig(1)) if isinstance(p, Dofs)]
+    assert pairs == [Dofs(dofs(14 - i, 14 + i)) for i in range(7, 0, -1)]

@@ -6,7 +6,7 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.dof import Dof
-from modallab.core.place import Channels, Members, Place
+from modallab.core.place import Channels, Dofs, Members, Place
 from modallab.diagnosis.reporting import svg
 from modallab.diagnosis.reporting.figures import residual
 from modallab.diagnosis.reporting.legend import keys
@@ -172,7 +172,7 @@ def _ring(place: Place, structure: Structure, at: dict[int, tuple[float, float]]
     if isinstance(place, Members):
         ends = _edges(structure.member(number) for number in place.numbers)
         return "".join(_line("marked", at[a], at[b]) for a, b in ends)
-    dofs = place.dofs if isinstance(place, Channels) else (place,) if isinstance(place, Dof) else ()
+    dofs = place.dofs if isinstance(place, Channels | Dofs) else (place,) if isinstance(place, Dof) else ()
     return "".join(
         f'<circle class="ring" cx="{at[dof.node][0]:.1f}" cy="{at[dof.node][1]:.1f}" r="10"/>' for dof in dofs
     )

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 from modallab.core.dof import Dof
-from modallab.core.place import Channels, Members, Place
+from modallab.core.place import Channels, Dofs, Members, Place
 from modallab.diagnosis.result import (
     Diagnosis,
     EquivalentEffect,
@@ -50,6 +50,8 @@ def _place_name(place: Place) -> str:
         return _counted("member", [str(number) for number in place.numbers])
     if isinstance(place, Channels):
         return _counted("channel", [str(dof) for dof in place.dofs])
+    if isinstance(place, Dofs):
+        return _enumeration([str(dof) for dof in place.dofs])
     return str(place)
 
 
@@ -65,6 +67,8 @@ def place_description(place: Place, structure: Structure) -> str:
         direction = f"in rotation {place.direction[1:]}" if rotation else f"in {place.direction}"
         description = f"node {place.node}, {direction}"
         return f"{description}; {_between(members)}" if members else description
+    if isinstance(place, Dofs):
+        return "; ".join(place_description(dof, structure) for dof in place.dofs)
     if isinstance(place, Members):
         return "; ".join(
             f"member {number}, between nodes {_enumeration([str(n) for n in structure.member(number).nodes])}"

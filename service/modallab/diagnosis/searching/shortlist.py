@@ -7,7 +7,7 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
-from modallab.core.place import Channels, Members
+from modallab.core.place import Channels, Dofs, Members
 from modallab.core.progress import Progress
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
 from modallab.diagnosis.predicting.predictor import Predictor
@@ -70,7 +70,9 @@ def shortlist(
         if _is_of_channels(suspect) and not _concerns(suspect, worst, untested):
             continue
         sizes = scan_sizes(suspect, suspect.scan_values(predictor.system, predictor.setup))
-        place = _screened(screen, sizes, cost, start) if isinstance(suspect.at, Dof | Members) else None
+        place = (
+            _screened(screen, sizes, cost, start) if isinstance(suspect.at, Dof | Dofs | Members) else None
+        )
         if place is not None:
             screened.setdefault(suspect.kind, []).append(place)
         elif isinstance(suspect.at, Dof):
