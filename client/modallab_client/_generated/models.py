@@ -227,6 +227,28 @@ class Rival:
 
 
 @dataclass(frozen=True, kw_only=True)
+class DetectionLimit:
+    """Smallest amount of a kind of effect that the test would have shown in almost all cases."""
+
+    at: str | Mapping[str, Any] | None
+    """Most visible place."""
+    invisible_places: int
+    """Places where the test would show no amount within the parameter's bounds."""
+    kind: str
+    """Kind of effect."""
+    largest: float
+    """In `unit`, the same at the least visible place."""
+    least_visible_at: str | Mapping[str, Any] | None
+    """Least visible place."""
+    parameter: str
+    """Parameter that is the amount of the effect."""
+    smallest: float
+    """In `unit`, deviation of the parameter from that of no effect, at the most visible place."""
+    unit: str
+    """SI unit of the amounts; `1` for a ratio."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class FollowUpTest:
     """Further test of the same structure that the diagnosis explained together with the first."""
 
@@ -419,6 +441,8 @@ class Diagnosis(DiagnosisMethods):
     """All effects fitted in the first round, best first."""
     created: str
     """time of creation, ISO 8601, UTC"""
+    detection_limits: tuple[DetectionLimit, ...]
+    """Smallest amounts that the test would have shown beside the added effects; empty if a gap remains."""
     follow_ups: tuple[FollowUpTest, ...]
     """Further tests that were explained together with the first."""
     gaps: Mapping[str, Mapping[str, float | None]]

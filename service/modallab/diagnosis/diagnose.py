@@ -7,6 +7,7 @@ from itertools import chain
 from modallab.core.dof import Dof
 from modallab.core.line_options import line_mask
 from modallab.core.progress import Progress, Pulse, part, silent
+from modallab.diagnosis.detection import detection_limits
 from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.diagnosis.localisation.locate import locate
 from modallab.diagnosis.optimisation.tolerances import NO_TOLERANCES, TolerancePreset, Tolerances
@@ -19,7 +20,7 @@ from modallab.diagnosis.predicting.window_in_use import with_window_in_use
 from modallab.diagnosis.residuals.residual import gap_error
 from modallab.diagnosis.result import Diagnosis, Step, Verdict
 from modallab.diagnosis.result_builder import curves, extended, rivals, step, tolerated
-from modallab.diagnosis.search_task import SearchResult, SearchTask
+from modallab.diagnosis.search_task import SearchResult, SearchTask, suspected
 from modallab.diagnosis.searching.search_path import SearchPath
 from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.diagnosis.test_design.proposal import next_test
@@ -139,7 +140,12 @@ def diagnose(
     notes = (*chain.from_iterable(window_notes), *_assumption_note(tolerances, assumed))
     changes = [follow_up.change for follow_up in follow_ups]
     pulse(0.94, "preparing the result")
-    return _result(structure, measurement, found, changes, notes, seed, part(pulse, 0.94, 1.0))
+    result = _result(structure, measurement, found, changes, notes, seed, part(pulse, 0.94, 0.97))
+    if found.unexplained_parts:
+        return result
+    possible = suspected(found.predictor, suspects)
+    limits = detection_limits(found.predictor, found.path.fit, possible, part(pulse, 0.97, 1.0))
+    return replace(result, detection_limits=limits)
 
 
 def _result(

@@ -114,6 +114,28 @@ class Step:
     """Effects that this measurement cannot distinguish from the named one."""
 
 
+@dataclass(frozen=True)
+class DetectionLimit:
+    """Smallest amount of a kind of effect that the test would have shown in almost all cases."""
+
+    kind: str
+    """Kind of effect."""
+    parameter: str
+    """Parameter that is the amount of the effect."""
+    unit: str
+    """SI unit of the amounts; `1` for a ratio."""
+    smallest: float
+    """In `unit`, deviation of the parameter from that of no effect, at the most visible place."""
+    at: Place
+    """Most visible place."""
+    largest: float
+    """In `unit`, the same at the least visible place."""
+    least_visible_at: Place
+    """Least visible place."""
+    invisible_places: int = 0
+    """Places where the test would show no amount within the parameter's bounds."""
+
+
 class GapPattern(StrEnum):
     """Pattern of the disagreement that points to a class of causes."""
 
@@ -239,6 +261,8 @@ class Diagnosis:
     """Measured and predicted FRFs and spectra."""
     candidates: tuple[Rival, ...] = ()
     """All effects fitted in the first round, best first."""
+    detection_limits: tuple[DetectionLimit, ...] = ()
+    """Smallest amounts that the test would have shown beside the added effects; empty if a gap remains."""
     next_test: NextTest | None = None
     """Proposed further test; None: no rival is left."""
     tolerated: tuple[ToleratedParameter, ...] = ()

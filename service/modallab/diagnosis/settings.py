@@ -33,6 +33,18 @@ class DiagnosisSettings(Settings):
         doc="factor of the probability of an effect if the diagnosis explains a part",
         derived="between 1 of an explanation and the factor of an unexplained gap; few cases are known yet",
     )
+    detection_margin: float = setting(
+        2.0,
+        unit="standard deviations",
+        doc="distance of a detection limit from what is detected in half of all tests",
+        derived="detected in 98 of 100",
+    )
+    detection_evaluations: int = setting(
+        2,
+        unit="evaluations",
+        doc="predictions of a detection limit, each nearer to it",
+        derived="the second is near the limit; small effects are linear",
+    )
 
 
 DIAGNOSIS = DiagnosisSettings()

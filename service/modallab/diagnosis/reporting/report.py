@@ -16,6 +16,7 @@ from modallab.diagnosis.reporting.settings import REPORT
 from modallab.diagnosis.reporting.spectra_plot import spectra_drawings
 from modallab.diagnosis.reporting.text import (
     changes_text,
+    detection_limit_row,
     effect_name,
     equivalence_statement,
     gap_reduction,
@@ -55,6 +56,11 @@ TOLERANCES = (
     "These nuisance parameters were fitted within their tolerances together with the effects; they are not "
     "missing effects. The value is true over declared; for a delay, the time by which the channel lags."
 )
+DETECTION_LIMITS = (
+    "This measurement would show each of these effects from this amount on in 98 of 100 tests, whatever the "
+    "parameters within tolerances are. Smaller effects may be present. The amount is the deviation "
+    "from that of no effect."
+)
 CONSIDERED = (
     "Every suspected kind of effect was tried at every possible place. The best candidates were fitted in "
     "full, one at a time; their probabilities follow from how well they predict the measurement. A cause "
@@ -88,6 +94,7 @@ def report(diagnosis: Diagnosis, provenance: Mapping[str, str] | None = None) ->
         all_curves(diagnosis.curves, added=added),
         _candidates(diagnosis),
         _tolerances(diagnosis),
+        _detection_limits(diagnosis),
         f"<h2>Definition of the gap</h2>{paragraph(DEFINITION)}{paragraph(ACCEPTANCE)}",
         _repetition(diagnosis, provenance or {}),
     ]
@@ -135,6 +142,16 @@ def _tolerances(diagnosis: Diagnosis) -> str:
     rows = tolerated_rows(diagnosis.tolerated)
     fitted = table(("parameter", "fitted", "tolerance"), rows)
     return f"<h2>Parameters within tolerances</h2>{paragraph(TOLERANCES)}{fitted}"
+
+
+def _detection_limits(diagnosis: Diagnosis) -> str:
+    if not diagnosis.detection_limits:
+        return ""
+    rows = [detection_limit_row(limit) for limit in diagnosis.detection_limits]
+    limits = table(
+        ("effect", "amount", "detected from", "at the least visible place"), rows, n_text_columns=2
+    )
+    return f"<h2>Detection limits</h2>{paragraph(DETECTION_LIMITS)}{limits}"
 
 
 def _next_test(diagnosis: Diagnosis) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, Dofs, Members, Place
 from modallab.diagnosis.result import (
+    DetectionLimit,
     Diagnosis,
     EquivalentEffect,
     FittedEffect,
@@ -98,6 +99,22 @@ def number_text(parameter: FittedParameter) -> str:
     digits = max(0, 1 - math.floor(math.log10(error / 10.0**scale)))
     text = f"{value / 10.0**scale:.{digits}f} ± {error / 10.0**scale:.{digits}f}"
     return f"({text})·10{str(scale).translate(SUPERSCRIPTS)}{unit}" if scale else f"{text}{unit}"
+
+
+def detection_limit_row(limit: DetectionLimit) -> tuple[str, str, str, str]:
+    """Return kind and amount of an effect, and its detection limit at two places in words."""
+    unit = "" if limit.unit == "1" else f" {limit.unit}"
+    several = limit.at != limit.least_visible_at
+    return (
+        limit.kind.replace("_", " "),
+        limit.parameter.replace("_", " "),
+        f"{limit.smallest:.2g}{unit}{_at(limit.at)}",
+        f"{limit.largest:.2g}{unit}{_at(limit.least_visible_at)}" if several else "",
+    )
+
+
+def _at(place: Place) -> str:
+    return "" if place is None else f" ({_place_name(place)})"
 
 
 def tolerated_rows(parameters: Sequence[ToleratedParameter]) -> list[tuple[str, str, str]]:

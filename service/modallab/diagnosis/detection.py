@@ -1,0 +1,193 @@
+"""Detection limits: the smallest effects that a test would still have shown."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray
+from modallab.core.dof import Dof
+from modallab.core.numerics import SAFE_DIVISOR
+from modallab.core.place import Channels, Dofs, Members
+from modallab.core.progress import Progress
+from modallab.diagnosis.fitting.fit import Fit
+from modallab.diagnosis.optimisation.linear_nuisances import LinearNuisances
+from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.residuals.residual import gap_errors, residual
+from modallab.diagnosis.result import DetectionLimit
+from modallab.diagnosis.searching.acceptance import largest_gap_by_chance, variance_inflation
+from modallab.diagnosis.searching.modification_screen import ModificationScreen
+from modallab.diagnosis.searching.settings import ACCEPTANCE
+from modallab.diagnosis.searching.starting_values import scan_sizes, smallest_amounts, with_amount_scaled
+from modallab.diagnosis.settings import DIAGNOSIS
+from modallab.rig.effect import Effect, Stage
+
+GRADUAL_STAGES = (Stage.STRUCTURE, Stage.DRIVE, Stage.CHANNEL)
+"""Stages whose effects change spectra in proportion to a small amount."""
+
+
+def detection_limits(
+    predictor: Predictor, found: Fit, suspects: Sequence[Effect], progress: Progress
+) -> tuple[DetectionLimit, ...]:
+    """Return the detection limit of each kind of suspect at its most and its least visible place.
+
+    A limit is the amount at which an effect, hidden beside those found, is expected to raise the gap of a
+    part of the measurement beyond chance and to be significant, by two standard deviations both. Nuisance
+    parameters and the effects found are free. From predictions with a small amount, to first order. Effects
+    whose amount alone does not describe them (resonances, nonlinear forces, signals) have no limit.
+
+    Parameters
+    ----------
+    found
+        The fit that leaves random error alone.
+    suspects
+        One effect for every kind and place.
+    """
+    gradual = [
+        effect for effect in suspects if _is_gradual(effect, predictor) and _is_fitted(effect, predictor)
+    ]
+    visibility = _Visibility(predictor, found)
+    limits: dict[str, list[Effect | None]] = {}
+    for i, suspect in enumerate(gradual):
+        progress(i / len(gradual), f"detection limit of {suspect.kind}")
+        limits.setdefault(suspect.kind, []).append(visibility.limit(suspect))
+    return tuple(_summary(kind, of_kind) for kind, of_kind in limits.items() if any(of_kind))
+
+
+def _is_gradual(effect: Effect, predictor: Predictor) -> bool:
+    """Return whether an effect is described by its amount, and small where the amount is."""
+    specs = list(effect.specs().values())
+    if not specs or effect.on_motion() is not None or effect.intermittent:
+        return False
+    amount, *shapes = specs
+    neutral = amount.absent
+    return (
+        effect.stage in GRADUAL_STAGES
+        and neutral is not None
+        and neutral < amount.upper
+        and not any(shape.scan_values for shape in shapes)
+        and not effect.scan_values(predictor.system, predictor.setup)
+    )
+
+
+def _is_fitted(effect: Effect, predictor: Predictor) -> bool:
+    """Return whether an effect acts on data that are fitted; one of single channels may not."""
+    if not isinstance(effect.at, Channels):
+        return True
+    observed = predictor.observed
+    channels = zip(observed.channels, observed.held_out, strict=True)
+    fitted = {channel.response.point for channel, held_out in channels if not held_out}
+    return bool(fitted & set(effect.at.points))
+
+
+def _is_on_bound(effect: Effect) -> bool:
+    """Return whether the amount of an effect is the largest or the smallest that it can be."""
+    name, spec = next(iter(effect.specs().items()))
+    return not spec.lower < effect.parameters[name] < spec.upper
+
+
+def _deviation(effect: Effect) -> float:
+    """Return how far the amount of an effect is from that of none."""
+    name, spec = next(iter(effect.specs().items()))
+    return abs(effect.parameters[name] - (spec.absent or 0.0))
+
+
+def _summary(kind: str, limits: Sequence[Effect | None]) -> DetectionLimit:
+    """Return the limits of a kind at all its places, None where no amount is visible."""
+    visible = sorted((effect for effect in limits if effect is not None), key=_deviation)
+    first, last = visible[0], visible[-1]
+    name, spec = next(iter(first.specs().items()))
+    hidden = len(limits) - len(visible)
+    return DetectionLimit(
+        kind, name, spec.unit, _deviation(first), first.at, _deviation(last), last.at, hidden
+    )
+
+
+class _Visibility:
+    """How much small effects change the residuals beyond what nuisance parameters take up."""
+
+    def __init__(self, predictor: Predictor, found: Fit) -> None:
+        self._found = found
+        near = predictor.with_nuisances_at(found.nuisance_position)
+        prediction = self._prediction = near.coarse_prediction(found.effects)
+        self._mask = prediction.observed.fitted
+        # Coarse lines stand for all of them.
+        self._weight = float(np.sqrt(predictor.observed.fitted.sum() / max(self._mask.sum(), 1)))
+        self._residual = residual(prediction.observed, prediction.predict(found.effects))
+        self._base = self._residual.vector(self._mask)
+        self._screen = ModificationScreen(prediction, found.effects)
+        self._nuisances = _FreeNuisances.of(prediction.nuisances, weight=self._weight)
+        self._excess = _excess_of_parts(predictor, found)
+        self._inflation = variance_inflation(predictor, found)
+
+    def limit(self, suspect: Effect) -> Effect | None:
+        """Return a suspect with the amount of its detection limit; None if no amount is visible."""
+        sizes = scan_sizes(suspect, {})
+        smallest = smallest_amounts(sizes)
+        if not smallest:
+            return None
+        effect = sizes[smallest[-1]]
+        for _ in range(DIAGNOSIS.detection_evaluations):
+            factor = self._factor(effect)
+            if not np.isfinite(factor):
+                return None
+            effect = with_amount_scaled(effect, factor)
+            if _is_on_bound(effect):
+                return None
+        return effect
+
+    def _factor(self, effect: Effect) -> float:
+        """Return the factor by which an amount has to grow to be detected; inf if it changes nothing."""
+        projected, gain = self._nuisances.project_out(self._weight * self._change(effect))
+        if not gain > 0:
+            return np.inf
+        cost = len(effect.specs()) * self._found.cost_per_parameter
+        least = np.sqrt(cost + ACCEPTANCE.very_strong_bic * self._inflation) + DIAGNOSIS.detection_margin
+        raised = self._residual.means_by_part((projected / self._weight) ** 2, self._mask)
+        by_gap = min(np.sqrt(self._excess[part] / max(raised[part], SAFE_DIVISOR)) for part in raised)
+        return float(max(least / np.sqrt(gain), by_gap))
+
+    def _change(self, effect: Effect) -> FloatArray:
+        """Return the change of the residuals (n_data,) by an effect."""
+        structural = isinstance(effect.at, Dof | Dofs | Members)
+        ratios = self._screen.ratios([effect]) if structural else None
+        if ratios is not None:
+            return np.asarray(self._screen.vectors(ratios)[0] - self._screen.unmodified)
+        predicted = self._prediction.predict([*self._found.effects, effect])
+        return residual(self._prediction.observed, predicted).vector(self._mask) - self._base
+
+
+@dataclass(frozen=True, eq=False)
+class _FreeNuisances:
+    """Nuisance parameters that are free under their prior, without bounds."""
+
+    derivatives: FloatArray
+    """(n_residuals, n) of the residuals by the parameters."""
+    precision: FloatArray
+    """(n,) inverse variance of the prior."""
+    covariance: FloatArray
+    """(n, n) of the parameters, by data and prior."""
+
+    @classmethod
+    def of(cls, nuisances: LinearNuisances, *, weight: float) -> "_FreeNuisances":
+        """Return the parameters with residuals of a weight."""
+        derivatives = weight * nuisances.derivatives
+        curvature = derivatives.T @ derivatives + np.diag(nuisances.precision)
+        return cls(derivatives, nuisances.precision, np.asarray(np.linalg.inv(curvature)))
+
+    def project_out(self, change: FloatArray) -> tuple[FloatArray, float]:
+        """Return what is left (n_residuals,) of a change, and its gain in chi-square with the prior."""
+        if not len(self.precision):
+            return change, float(change @ change)
+        position = -self.covariance @ (self.derivatives.T @ change)
+        remaining = change + self.derivatives @ position
+        return remaining, float(remaining @ remaining + self.precision @ position**2)
+
+
+def _excess_of_parts(predictor: Predictor, found: Fit) -> dict[str, float]:
+    """Return how far the gap of each part has to rise to be seen almost always."""
+    observed = predictor.observed
+    errors = gap_errors(observed, found.residual, observed.fitted, max_lag=ACCEPTANCE.correlated_lines)
+    margin = DIAGNOSIS.detection_margin
+    combined = {part: float(np.hypot(error, observed.scale_error)) for part, error in errors.items()}
+    return {part: largest_gap_by_chance(error) - 1 + margin * error for part, error in combined.items()}
