@@ -148,10 +148,8 @@ def _detection_limits(diagnosis: Diagnosis) -> str:
     if not diagnosis.detection_limits:
         return ""
     rows = [detection_limit_row(limit) for limit in diagnosis.detection_limits]
-    limits = table(
-        ("effect", "amount", "detected from", "at the least visible place"), rows, n_text_columns=2
-    )
-    return f"<h2>Detection limits</h2>{paragraph(DETECTION_LIMITS)}{limits}"
+    head = ("effect", "amount", "detection limit", "at the least visible place")
+    return f"<h2>Detection limits</h2>{paragraph(DETECTION_LIMITS)}{table(head, rows, n_text_columns=2)}"
 
 
 def _next_test(diagnosis: Diagnosis) -> str:

@@ -108,9 +108,13 @@ def detection_limit_row(limit: DetectionLimit) -> tuple[str, str, str, str]:
     return (
         limit.kind.replace("_", " "),
         limit.parameter.replace("_", " "),
-        f"{limit.smallest:.2g}{unit}{_at(limit.at)}",
-        f"{limit.largest:.2g}{unit}{_at(limit.least_visible_at)}" if several else "",
+        f"{_in_two_digits(limit.smallest)}{unit}{_at(limit.at)}",
+        f"{_in_two_digits(limit.largest)}{unit}{_at(limit.least_visible_at)}" if several else "",
     )
+
+
+def _in_two_digits(value: float) -> str:
+    return f"{float(f'{value:.2g}'):g}"
 
 
 def _at(place: Place) -> str:
@@ -177,7 +181,7 @@ def headline(diagnosis: Diagnosis) -> str:
     steps = diagnosis.steps
     effects = _enumeration([effect_name(step.effect) for step in steps])
     if diagnosis.verdict is Verdict.NOTHING_MISSING:
-        return "Nothing is missing."
+        return "Nothing is missing that this test can show."
     if diagnosis.verdict is Verdict.EXPLAINED:
         return f"Explained. Missing effect{'s' if len(steps) > 1 else ''}: {effects}."
     if diagnosis.verdict is Verdict.AMBIGUOUS:
@@ -200,9 +204,7 @@ def verdict_text(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict is Verdict.NOTHING_MISSING:
         return f"Model and log book predict this test within its random error: the gap is {remaining}."
     if not diagnosis.steps:
-        return (
-            f"The gap is {remaining}; every suspect was fitted at every possible place, and none closes it."
-        )
+        return f"The gap is {remaining}; every suspect was tried at every possible place, and none closes it."
     words = [_reduction(diagnosis.steps), f"The remaining gap over all FRFs is {remaining}."]
     if diagnosis.verdict is Verdict.AMBIGUOUS:
         equivalents = [effect_name(effect) for step in diagnosis.steps for effect in step.rivals_alike]

@@ -73,7 +73,7 @@ def test_what_comes_from_outside_cannot_become_markup() -> None:
 @pytest.mark.parametrize(
     ("verdict", "steps", "words"),
     [
-        (Verdict.NOTHING_MISSING, (), "Nothing is missing."),
+        (Verdict.NOTHING_MISSING, (), "Nothing is missing that this test can show."),
         (
             Verdict.UNEXPLAINED,
             (),

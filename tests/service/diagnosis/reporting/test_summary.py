@@ -35,5 +35,5 @@ def test_look_alikes_and_the_test_that_would_tell_are_told() -> None:
 
 def test_nothing_missing_is_told_in_two_lines_and_where_to_look() -> None:
     words = summary(diagnosis(Verdict.NOTHING_MISSING, ()))
-    assert words.startswith("Nothing is missing.\n")
+    assert words.startswith("Nothing is missing that this test can show.\n")
     assert "missing 1" not in words
