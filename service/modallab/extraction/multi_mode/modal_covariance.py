@@ -81,6 +81,7 @@ def uncertainty(
             lines, basis, parameters, linear, influence, misfit_factor, common
         )
         covariance = covariance + inverse @ by_common @ inverse
+    covariance = with_undetermined_variances(covariance, np.diag(normal.sum(axis=0)), parameters)
     n_modes = len(parameters)
     by_mode = (-1, n_modes, 2, parameters.size)
     sensitivity = influence[:, : 2 * n_modes].reshape(by_mode)
@@ -105,6 +106,28 @@ def unit_diagonal(normal: FloatArray) -> tuple[FloatArray, FloatArray]:
     length = np.sqrt(np.where(determined, size, 1.0))
     normalised = np.where(np.outer(determined, determined), normal, 0.0) / np.outer(length, length)
     return np.asarray(normalised + np.diag(np.where(determined, 0.0, 1.0))), length
+
+
+def with_undetermined_variances(
+    covariance: FloatArray, information: FloatArray, parameters: FloatArray
+) -> FloatArray:
+    """Return the covariance with a standard deviation of 100 % for parameters that no line determines.
+
+    Parameters
+    ----------
+    covariance
+        (n, n) of all parameters of all modes.
+    information
+        (n,) diagonal of the normal matrix; rounding alone where it is not positive.
+    parameters
+        (n_modes, n / n_modes), the first of each mode its squared frequency, the scale of the others.
+    """
+    undetermined = ~(information > 0)
+    if not undetermined.any():
+        return covariance
+    scale = np.repeat(np.abs(parameters[:, 0]), parameters.shape[1])
+    known = np.where(undetermined[:, None] | undetermined, 0.0, covariance)
+    return np.asarray(known + np.diag(np.where(undetermined, scale**2, 0.0)))
 
 
 def _inverse(normal: FloatArray) -> FloatArray:
