@@ -4,12 +4,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
+from scipy.special import chdtri
+
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.progress import Progress, Pulse, part
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.fitting.settings import FIT
-from modallab.diagnosis.optimisation.nuisances import nuisance_parameters
+from modallab.diagnosis.optimisation.nuisances import Nuisances, nuisance_parameters
 from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.predicting.held_out import outlying_frfs, select_held_out
 from modallab.diagnosis.predicting.joint_prediction import JointPredictor
@@ -75,8 +77,8 @@ class SearchTask:
 
         The stated tolerances come first: a model that is exact loses nothing by those assumed. They are not
         searched further where the assumed ones leave random error alone, beside one effect at most. If
-        the nuisance parameters then deviate by more than an additional parameter costs, a single effect that
-        leaves random error alone under the stated tolerances is preferred.
+        the nuisance parameters then deviate far, a single effect that leaves random error alone under the
+        stated tolerances is preferred.
         """
         pulse(0.0, "predicting the tests from model and log book")
         first = self._start(stated, pulse)
@@ -84,7 +86,7 @@ class SearchTask:
             return self._search_from(first, self.max_effects, pulse), None
         second = self._start(assumed, pulse)
         nothing_missing = is_noise_only(second.predictor, second.path.fit)
-        if nothing_missing and second.path.fit.prior_cost < second.path.fit.cost_per_parameter:
+        if nothing_missing and not _deviate_far(second.predictor.nuisances, second.path.fit, stated):
             return second, assumed
         # A search for one effect that explains nothing ends before half of its progress.
         single_effects = self._first_round(first, part(pulse, 0.05, 0.25))
@@ -149,6 +151,22 @@ class SearchTask:
     def _suspects(self, predictor: Predictor) -> Suspects:
         least_suspicion = DIAGNOSIS.least_suspicion if self.suspects is None else 0.0
         return Suspects(suspected(predictor, self.suspects), least_suspicion)
+
+
+def _deviate_far(nuisances: Nuisances, found: Fit, stated: Tolerances) -> bool:
+    """Return whether nuisance parameters of assumed tolerances deviate farther than a single effect costs.
+
+    Those of modes and of random fields are many, and deviate in any model that is a little wrong: only the
+    squares of all deviations together, if they are more than chance, make an effect more likely.
+    """
+    squares = found.nuisance_position**2
+    of_rig_or_model = [
+        nuisance.mode is None and nuisance.shape is None and nuisance.name not in stated.stated
+        for nuisance in nuisances.parameters
+    ]
+    cost = found.cost_per_parameter / found.correlation_length
+    by_chance = chdtri(max(len(squares), 1), DIAGNOSIS.deviation_probability)
+    return bool(squares[of_rig_or_model].sum() > cost or squares.sum() > by_chance)
 
 
 def suspected(predictor: Predictor, kinds: Sequence[str] | None) -> list[Effect]:

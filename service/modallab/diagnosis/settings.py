@@ -14,6 +14,11 @@ class DiagnosisSettings(Settings):
         doc="suspicion below which a kind of effect is omitted unless the user names it",
         tuned="simulated tests of the suite",
     )
+    deviation_probability: float = setting(
+        1e-3,
+        doc="probability by chance of all nuisance parameters' deviations, below which an effect is likelier",
+        derived="3 sigma: one model in a thousand is searched in vain",
+    )
     max_equivalent_effects: int = setting(
         3, unit="effects", doc="equivalent effects listed with a step", derived="legibility"
     )

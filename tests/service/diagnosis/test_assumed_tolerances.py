@@ -7,6 +7,7 @@ import pytest
 
 from modallab.core.dof import Dof
 from modallab.core.place import Members
+from modallab.diagnosis import search_task
 from modallab.diagnosis.diagnose import diagnose_with_options
 from modallab.diagnosis.optimisation.tolerance_effects import MemberTolerance
 from modallab.diagnosis.optimisation.tolerances import TolerancePreset
@@ -22,6 +23,12 @@ SUSPECTS = ("extra_mass", "stiffness_error", "gain_error")
 N_MEMBERS = len(model().members)
 # A model that is wrong everywhere, a little and smoothly: 0.5 % from one end to the other.
 INEXACT = MemberTolerance(stiffness=tuple(np.linspace(0.995, 1.005, N_MEMBERS).tolist()))
+
+# Deviations of a standard deviation and more along the whole structure, of modulus and density.
+UNEVEN = MemberTolerance(
+    stiffness=tuple((1 + 0.008 * np.cos(np.linspace(0, 3 * np.pi, N_MEMBERS))).tolist()),
+    mass=tuple((1 + 0.008 * np.sin(np.linspace(0, 2 * np.pi, N_MEMBERS))).tolist()),
+)
 
 
 def diagnosed(*hidden: Effect, uploaded: bool = True, preset: TolerancePreset | None = None) -> Diagnosis:
@@ -45,6 +52,18 @@ def test_a_model_that_is_a_little_wrong_everywhere_misses_nothing() -> None:
     assert {row.name for row in found.tolerated} >= {"modulus", "modulus_variation", "modal_loss_factor"}
     (note,) = [note for note in found.notes if "assumed" in note]
     assert "modulus_variation 0.005" in note
+
+
+def test_usual_deviations_of_random_fields_are_searched_for_no_effect(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise AssertionError("searched")
+
+    monkeypatch.setattr(search_task, "fit_candidates", refuse)
+    assert diagnosed(UNEVEN).verdict is Verdict.NOTHING_MISSING
+    with pytest.raises(AssertionError, match="searched"):
+        diagnosed(StiffnessError(None, 1.042))
 
 
 def test_an_effect_is_not_hidden_by_several_deviations_of_an_assumed_tolerance() -> None:

@@ -82,11 +82,6 @@ class Fit:
         independent = max(self.n_data / self.correlation_length, 2)
         return self.correlation_length * float(np.log(independent))
 
-    @property
-    def prior_cost(self) -> float:
-        """Part of `chi_square` that is the prior of the nuisance parameters."""
-        return self.correlation_length * float(self.nuisance_position @ self.nuisance_position)
-
 
 def fit(predictor: Predictor, effects: Sequence[Effect], *, fixed: Sequence[Effect] = ()) -> Fit:
     """Return the effects with all their parameters fitted together, from starts near the solution.
