@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 import numpy as np
-from scipy.spatial.distance import cdist
+from scipy.spatial import KDTree
 
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
@@ -114,13 +114,15 @@ def _balanced_pairs(members: MemberTable, translations: Sequence[Dof]) -> Iterat
     centre = _centre_of_mass(members)
     tolerance = np.ptp(members.points.reshape(-1, 2), axis=0).max() * SUSPENSION.largest_offset
     for across, direction in enumerate("YX"):  # bands along Y stand at two X, and vice versa
-        dofs = [dof for dof in translations if dof.direction == direction]
-        points = np.array([position[dof.node] for dof in dofs]).reshape(-1, 2)
+        dofs = [dof for dof in translations if dof.direction == direction and dof.node in position]
+        if not dofs:
+            continue
+        points = np.array([position[dof.node] for dof in dofs])
         images = points.copy()
         images[:, across] = 2 * centre[across] - points[:, across]
-        distances = cdist(images, points)
-        for i, j in enumerate(distances.argmin(axis=1) if len(dofs) else ()):
-            if i < j and distances[i, j] < tolerance:
+        distances, nearest = KDTree(points).query(images)
+        for i, (distance, j) in enumerate(zip(distances, nearest, strict=True)):
+            if i < j and distance < tolerance:
                 yield Dofs((dofs[i], dofs[j]))
 
 
