@@ -1,7 +1,7 @@
 """Speed of global extraction against the poles of sdypy-EMA, with the same FRFs on one thread.
 
     python -m venv /tmp/peer && /tmp/peer/bin/pip install sdypy-EMA
-    PEER_PYTHON=/tmp/peer/bin/python python -m benchmarks.peer_extraction
+    PEER_PYTHON=/tmp/peer/bin/python python -m benchmarks peer_extraction
 
 P is the processor time of the peer's `get_poles` at order 60. It does less: no selection of modes, no
 refinement, no standard errors. Without the peer, only the memory is measured.
