@@ -64,7 +64,7 @@ def uncertainty(
     """
     c = parameter_weights(basis, linear)
     normal = c @ linear.projected @ c.swapaxes(1, 2)
-    inverse = _inverse(normal.sum(axis=0))
+    inverse = inverse_of_normal(normal.sum(axis=0))
     influence = np.concatenate([-linear.mixed @ c.swapaxes(1, 2), c.swapaxes(1, 2)], axis=1)
     noise = (
         GradientNoise.of_independent_lines(normal, linear)
@@ -74,13 +74,13 @@ def uncertainty(
     misfit = _misfit(lines, linear, noise, inverse)
     misfit_factor = np.maximum(misfit, 1.0)
     # E|error|^2 is shared by two parts: half of it each
-    covariance = inverse @ (0.5 * np.einsum("j,jpq->pq", misfit_factor, noise.gradient)) @ inverse
+    covariance = propagated_covariance(0.5 * np.einsum("j,jpq->pq", misfit_factor, noise.gradient), inverse)
     common = common_noise(lines, basis, parameters, linear)
     if common is not None:
         by_common = common_noise_covariance(
             lines, basis, parameters, linear, influence, misfit_factor, common
         )
-        covariance = covariance + inverse @ by_common @ inverse
+        covariance = covariance + propagated_covariance(by_common, inverse)
     covariance = with_undetermined_variances(covariance, np.diag(normal.sum(axis=0)), parameters)
     n_modes = len(parameters)
     by_mode = (-1, n_modes, 2, parameters.size)
@@ -130,9 +130,24 @@ def with_undetermined_variances(
     return np.asarray(known + np.diag(np.where(undetermined, scale**2, 0.0)))
 
 
-def _inverse(normal: FloatArray) -> FloatArray:
+def inverse_of_normal(normal: FloatArray) -> FloatArray:
+    """Return the inverse of a normal matrix, large and positive where rounding leaves no information."""
     even, length = unit_diagonal(normal)
-    return np.asarray(np.linalg.inv(even + SUM_ROUNDING * np.eye(len(length))) / np.outer(length, length))
+    values, vectors = np.linalg.eigh(even)
+    inverse = (vectors / (np.maximum(values, 0.0) + SUM_ROUNDING)) @ vectors.T
+    return np.asarray(inverse / np.outer(length, length))
+
+
+def propagated_covariance(gradient: FloatArray, inverse: FloatArray) -> FloatArray:
+    """Return the covariance of parameters from that of the gradient, with no negative variance by rounding.
+
+    Where poles nearly depend on each other, the inverse multiplies the rounding of the gradient's covariance
+    by far more than the variances of the other poles.
+    """
+    even, length = unit_diagonal(gradient)
+    values, vectors = np.linalg.eigh(even)
+    root = inverse @ (length[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))
+    return np.asarray(root @ root.T)
 
 
 def _misfit(
