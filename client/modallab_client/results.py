@@ -2,11 +2,13 @@
 
 from modallab_client._generated.models import (
     Accelerometers,
+    Adoption,
     Analyser,
     CatalogueEntry,
     Coil,
     Correlation,
     Curve,
+    CurvePoint,
     Curves,
     Diagnosis,
     Direction,
@@ -75,6 +77,8 @@ from modallab_client._generated.models import (
     Suspension,
     ToleratedParameter,
     Truth,
+    Unknown,
+    UnknownRival,
 )
 from modallab_client.methods.diagnoses import DiagnosisCurves
 from modallab_client.methods.studies import StudyCoefficients
@@ -83,12 +87,14 @@ from modallab_client.methods.updates import Update
 
 __all__ = [
     "Accelerometers",
+    "Adoption",
     "Analyser",
     "CatalogueEntry",
     "Coil",
     "Correlation",
     "Covariance",
     "Curve",
+    "CurvePoint",
     "Curves",
     "Diagnosis",
     "DiagnosisCurves",
@@ -160,6 +166,8 @@ __all__ = [
     "Suspension",
     "ToleratedParameter",
     "Truth",
+    "Unknown",
+    "UnknownRival",
     "Update",
     "UpdatedMatrices",
 ]

@@ -44,6 +44,11 @@ STRUCTURE = {
         band=(0.0, 250.0),
         shows="50 g on a spring at 100 Hz: its own resonance beside those of the beam.",
     ),
+    "tabulated_stiffness": Example(
+        at="11:+Y",
+        band=(0.0, 150.0),
+        shows="A part at mid-span whose stiffness rises from 10 to 20 kN/m and whose loss rises with it.",
+    ),
     "ground_spring": Example(
         at="11:+Y",
         band=(0.0, 150.0),

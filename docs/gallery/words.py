@@ -116,6 +116,10 @@ SIMILAR_EFFECTS: Mapping[str, str] = {
     "suspension": "`ground_spring` is the same spring without damping.",
     "swapped_channels": "Each of two FRFs agrees with the prediction of the other; all others agree with "
     "their own.",
+    "tabulated_response": "`gain_error`, `ac_coupling` and `channel_delay` are channels whose curve has a "
+    "formula. A curve imitates anything in its channel: a diagnosis does not suspect it.",
+    "tabulated_stiffness": "`ground_spring`, `extra_mass`, `local_damping`, `attached_oscillator` are parts "
+    "whose curve has a formula. A curve imitates anything at its place: a diagnosis does not suspect it.",
     "transverse_sensitivity": "The error of `misplaced_accelerometer` follows the slope of the shape, this "
     "one the motion across the axis. Check: rotate the accelerometer by 180 degrees about its axis; the "
     "sign of the error changes.",

@@ -10,7 +10,7 @@ from modallab_client._async.shelf import AsyncShelf
 from modallab_client._read import read_as
 from modallab_client.methods.diagnoses import DiagnosisCurves, diagnosis_curves
 from modallab_client.options import DiagnosisOptions
-from modallab_client.results import Diagnosis
+from modallab_client.results import Adoption, Diagnosis
 
 
 class AsyncDiagnoses(AsyncShelf):
@@ -48,6 +48,12 @@ class AsyncDiagnoses(AsyncShelf):
         reply = await self._transport.request("GET", f"/v1/diagnoses/{diagnosis_id}")
         diagnosis: Diagnosis = _wire.read(read_as, Diagnosis, reply)
         return replace(diagnosis, curves=await self.curves(diagnosis_id))
+
+    async def adopt(self, diagnosis_id: str) -> Adoption:
+        """Return the ids of a model and a log book that hold the unknown effect as a tabulated one."""
+        reply = await self._transport.request("POST", f"/v1/diagnoses/{diagnosis_id}/adopt")
+        adoption: Adoption = _wire.read(read_as, Adoption, reply)
+        return adoption
 
     async def curves(self, diagnosis_id: str) -> DiagnosisCurves:
         """Return the FRFs measured, and predicted before and after what was added."""

@@ -430,6 +430,83 @@ class ToleratedParameter:
     """Ratio true over declared; of a delay, s."""
 
 
+UnknownCause = Literal["internal_force", "channel_gain", "common_gain"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class CurvePoint:
+    """Value of an unknown effect's curve at one frequency."""
+
+    frequency: float
+    """Hz."""
+    imaginary: float
+    """Imaginary part, in the unit of the curve."""
+    real: float
+    """Real part, in the unit of the curve."""
+    standard_error: float | None
+    """Random error of the real and of the imaginary part, in the unit of the curve."""
+
+
+CurveModelName = Literal[
+    "spring",
+    "mass",
+    "damper",
+    "hysteretic_spring",
+    "spring_and_damper",
+    "power",
+    "oscillator",
+    "delayed_displacement_feedback",
+    "delayed_velocity_feedback",
+    "delayed_acceleration_feedback",
+    "gain",
+    "first_order_high_pass",
+    "first_order_low_pass",
+    "delay",
+]
+
+
+@dataclass(frozen=True, kw_only=True)
+class UnknownRival:
+    """Place at which an unknown effect explains the measurement as well."""
+
+    at: str | Mapping[str, Any] | None
+    """Place of the effect; null: all channels."""
+    cause: UnknownCause
+    """What the effect acts as."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Unknown:
+    """Effect of no catalogue, solved for line by line: its place, its curve, and a model of the curve."""
+
+    at: str | Mapping[str, Any] | None
+    """DoF of the force, or channel; null: all channels."""
+    beside_steps: bool
+    """Whether it acts beside the added effects; otherwise alone, in their place."""
+    cause: UnknownCause
+    """What the effect acts as."""
+    curve: tuple[CurvePoint, ...]
+    """Dynamic stiffness from the DoF to the ground, or gain true over declared, at most one for ten lines."""
+    curve_model: CurveModelName | None
+    """Parametric model that the curve follows; null: none of those tried."""
+    gap_after: float | None
+    """Gap of the fitted FRFs with the curve."""
+    gap_before: float | None
+    """Gap of the fitted FRFs without it: with the added effects if it acts beside them."""
+    held_out_gap_after: float | None
+    """Gap of the held-out FRFs with the curve."""
+    held_out_gap_before: float | None
+    """Gap of the held-out FRFs without it, likewise; null where none was measured."""
+    parameters: Mapping[str, FittedParameter] = field(hash=False)
+    """Parameters of the curve model by name."""
+    rivals_alike: tuple[UnknownRival, ...]
+    """Other places that this measurement cannot distinguish from the named one."""
+    source: str | None
+    """DoF whose motion the force follows by that model; null: not a force, or no model."""
+    unit: str
+    """Unit of the curve: N/m or N m/rad; `1` for a gain."""
+
+
 Verdict = Literal["explained", "partly_explained", "nothing_missing", "unexplained", "ambiguous"]
 
 
@@ -473,10 +550,24 @@ class Diagnosis(DiagnosisMethods):
     """Model with the added effects."""
     tolerated: tuple[ToleratedParameter, ...]
     """Nuisance parameters that were free within their tolerances."""
+    unknown: Unknown | None
+    """Effect of no catalogue that closes most of a remaining gap; null: no gap remains, or none does."""
     verdict: Verdict
     """Outcome of the diagnosis."""
     version: str
     """version of the service that made it"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Adoption:
+    """Model and log book with the unknown effect of a diagnosis in them."""
+
+    kind: str
+    """Kind of the effect that was added: `tabulated_stiffness` or `tabulated_response`."""
+    rig_id: str
+    """Log book, likewise."""
+    structure_id: str
+    """Model: with the added effects where the unknown effect acts beside them."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -596,6 +687,8 @@ class EffectSpec:
     """Name of the effect in the catalogue."""
     parameters: Mapping[str, float] = field(hash=False)
     """SI units, parameters of the effect by name."""
+    table: tuple[tuple[float, float, float], ...] = ()
+    """Curve of a tabulated effect; empty: the default of the catalogue, or no tabulated effect."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,7 +10,7 @@ from modallab_client._sync.jobs import Job
 from modallab_client._sync.shelf import Shelf
 from modallab_client.methods.diagnoses import DiagnosisCurves, diagnosis_curves
 from modallab_client.options import DiagnosisOptions
-from modallab_client.results import Diagnosis
+from modallab_client.results import Adoption, Diagnosis
 
 
 class Diagnoses(Shelf):
@@ -48,6 +48,12 @@ class Diagnoses(Shelf):
         reply = self._transport.request("GET", f"/v1/diagnoses/{diagnosis_id}")
         diagnosis: Diagnosis = _wire.read(read_as, Diagnosis, reply)
         return replace(diagnosis, curves=self.curves(diagnosis_id))
+
+    def adopt(self, diagnosis_id: str) -> Adoption:
+        """Return the ids of a model and a log book that hold the unknown effect as a tabulated one."""
+        reply = self._transport.request("POST", f"/v1/diagnoses/{diagnosis_id}/adopt")
+        adoption: Adoption = _wire.read(read_as, Adoption, reply)
+        return adoption
 
     def curves(self, diagnosis_id: str) -> DiagnosisCurves:
         """Return the FRFs measured, and predicted before and after what was added."""

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-    from modallab_client._generated.models import Diagnosis, FittedParameter, NextTest, Step
+    from modallab_client._generated.models import Diagnosis, FittedParameter, NextTest, Step, Unknown
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,6 +134,7 @@ class DiagnosisMethods:
         steps: tuple[Step, ...]
         remaining_gap: float | None
         next_test: NextTest | None
+        unknown: Unknown | None
 
     def table(self) -> str:
         """Return effect, place, probability and gaps of each step as text."""
@@ -176,6 +177,12 @@ class DiagnosisMethods:
             for step in self.steps
             if step.rivals_alike
         ]
+        if self.unknown is not None:
+            unknown = self.unknown
+            model = f", model: {unknown.curve_model.replace('_', ' ')}" if unknown.curve_model else ""
+            sentences.append(
+                f"An effect of no catalogue: {unknown.cause.replace('_', ' ')} at {place(unknown.at)}{model}."
+            )
         if self.next_test is not None:
             change = ", ".join(f"{name} {value}" for name, value in self.next_test.change.items())
             sentences.append(f"Next test: {change.replace('_', ' ')}; {self.next_test.why}.")

@@ -3,6 +3,7 @@
 import ast
 import inspect
 import math
+import operator
 import re
 import sys
 import types
@@ -20,7 +21,7 @@ from modallab.api.wire import ChannelsAt, DofsAt, MembersAt, Reply, StoredEntry,
 from modallab.core.dof import Dof
 from modallab.core.options import Options
 from modallab.core.place import Place
-from modallab.core.reply import Axes, MayBeNan
+from modallab.core.reply import Axes, LeftOutIfEmpty, MayBeNan
 from modallab.store.base import Entry
 
 # Derived models have their descriptions already; pydantic would search the callers' source for each.
@@ -112,8 +113,15 @@ def _definitions(
     for field in fields(domain):
         hint = None if field.name in leave_out else wire_type(hints[field.name])
         if hint is not None:
-            definitions[field.name] = (hint, Field(description=docs.get(field.name) or _declared(field)))
+            told = docs.get(field.name) or _declared(field)
+            definitions[field.name] = (hint, Field(description=told, **_default(hints[field.name])))
     return definitions | {name: (hint, Field(description=text)) for name, (hint, text) in added.items()}
+
+
+def _default(hint: Any) -> dict[str, Any]:
+    """Return the default of a field of a reply that is left out where it is empty; nothing for others."""
+    empty = get_origin(hint) is Annotated and LeftOutIfEmpty() in get_args(hint)[1:]
+    return {"default": (), "exclude_if": operator.not_} if empty else {}
 
 
 def _declared(field: Any) -> str | None:

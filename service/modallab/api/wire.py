@@ -9,6 +9,7 @@ from typing_extensions import TypeAliasType
 from modallab.api.limits import REQUEST
 from modallab.api.schema import Limits, NamedByPattern, OneOf, Pattern
 from modallab.core.dof import Dof
+from modallab.core.frequency_table import MAX_ROWS
 from modallab.core.place import Channels, Dofs, EffectSpec, Members, Place
 from modallab.fe.structure_settings import INPUT
 from modallab.rig.effect import EFFECTS, Effect, build
@@ -90,9 +91,13 @@ class EffectIn(Wire):
     parameters: Annotated[dict[Text, Number], NamedByPattern()] = Field(default_factory=dict, max_length=20)
     """numbers of the effect by name, SI units; left out: the defaults of the catalogue"""
 
+    table: tuple[tuple[Number, Number, Number], ...] = Field(default=(), max_length=MAX_ROWS)
+    """curve of a tabulated effect: rows of frequency in Hz, real part and imaginary part; left out: the
+    default of the catalogue, or no tabulated effect"""
+
     def to_domain(self) -> Effect:
-        """Return the effect, its kind, parameters and bounds checked."""
-        return build(EffectSpec(self.kind, self.place(), self.parameters))
+        """Return the effect, its kind, parameters, table and bounds checked."""
+        return build(EffectSpec(self.kind, self.place(), self.parameters, self.table))
 
     def place(self) -> Place:
         """Return where the effect acts."""
@@ -129,7 +134,8 @@ def place_out(place: Place) -> str | dict[str, Any] | None:
 
 def effect_out(spec: EffectSpec) -> dict[str, Any]:
     """Return an effect as the contract writes it."""
-    return {"kind": spec.kind, "at": place_out(spec.at), "parameters": dict(spec.parameters)}
+    body = {"kind": spec.kind, "at": place_out(spec.at), "parameters": dict(spec.parameters)}
+    return body | {"table": [list(row) for row in spec.table]} if spec.table else body
 
 
 class Reply(BaseModel):

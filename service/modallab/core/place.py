@@ -3,8 +3,10 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Annotated
 
 from modallab.core.dof import Dof
+from modallab.core.reply import LeftOutIfEmpty
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,8 @@ class Channels:
 
 
 Place = Dof | Dofs | Members | Channels | None  # None: everywhere
+TableRow = tuple[float, float, float]
+"""Frequency, Hz, real part and imaginary part of a tabulated curve."""
 
 
 @dataclass(frozen=True)
@@ -55,3 +59,5 @@ class EffectSpec:
     """Place where the effect acts; None: everywhere."""
     parameters: Mapping[str, float] = field(default_factory=dict)
     """SI units, parameters of the effect by name."""
+    table: Annotated[tuple[TableRow, ...], LeftOutIfEmpty()] = ()
+    """Curve of a tabulated effect; empty: the default of the catalogue, or no tabulated effect."""

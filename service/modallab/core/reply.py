@@ -1,4 +1,4 @@
-"""Marks on fields of results: numbers that may be undetermined, arrays short enough for a list."""
+"""Marks on fields of results: undetermined numbers, short arrays, fields left out where they are empty."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -16,6 +16,11 @@ class Axes:
 @dataclass(frozen=True)
 class MayBeNan:
     """Mark of a number that is nan where the test does not determine it."""
+
+
+@dataclass(frozen=True)
+class LeftOutIfEmpty:
+    """Mark of a sequence that most results do not have: a reply leaves it out where it is empty."""
 
 
 NanFloat = Annotated[float, MayBeNan()]

@@ -1,10 +1,12 @@
 """Diagnosis of the disagreement between a model and a measurement with its log book."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from itertools import chain
 
 from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
 from modallab.core.line_options import line_mask
 from modallab.core.progress import Progress, Pulse, part, silent
 from modallab.diagnosis.detection import detection_limits
@@ -18,12 +20,13 @@ from modallab.diagnosis.predicting.limitations import limitations
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.predicting.window_in_use import with_window_in_use
 from modallab.diagnosis.residuals.residual import gap_error
-from modallab.diagnosis.result import Diagnosis, Step, Verdict
+from modallab.diagnosis.result import Diagnosis, Step, Unknown, Verdict
 from modallab.diagnosis.result_builder import curves, extended, rivals, step, tolerated
 from modallab.diagnosis.search_task import SearchResult, SearchTask, suspected
 from modallab.diagnosis.searching.search_path import SearchPath
 from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.diagnosis.test_design.proposal import next_test
+from modallab.diagnosis.unknown.solve import unknown_effect
 from modallab.fe.structure import Structure
 from modallab.rig.change import Change
 from modallab.rig.measurement import Measurement
@@ -161,6 +164,11 @@ def _result(
     predictor, path, explained = found.predictor, found.path, not found.unexplained_parts
     observed, start = predictor.observed, path.start
     verdict, steps = _verdict_and_steps(predictor, path, explained)
+    unknown = _unknown(found)
+    if unknown is not None and verdict is Verdict.PARTLY_EXPLAINED and _imitated(steps, unknown):
+        share = INCOMPLETE_PROBABILITY[Verdict.UNEXPLAINED] / INCOMPLETE_PROBABILITY[verdict]
+        verdict = Verdict.UNEXPLAINED
+        steps = tuple(replace(each, probability=share * each.probability) for each in steps)
     model, log_book = extended(structure, measurement.setup, path.fit.effects)
     residual = path.fit.residual
     return Diagnosis(
@@ -174,6 +182,7 @@ def _result(
         setup=log_book,
         curves=curves(predictor, measurement, path.fit, found.unmeasured),
         candidates=rivals(predictor, path.steps[0].round_fits) if path.steps else (),
+        unknown=unknown,
         next_test=next_test(predictor, path, changes, progress),
         tolerated=tolerated(predictor, path.fit),
         follow_ups=tuple(change.plain for change in changes),
@@ -184,6 +193,22 @@ def _result(
             *_budget_note(predictor, explained),
         ),
     )
+
+
+def _unknown(found: SearchResult) -> Unknown | None:
+    """Return the effect of no catalogue that closes most of what is left in the FRFs; None without one."""
+    if "frf" not in found.unexplained_parts:
+        return None
+    with suppress(InvalidInputError):
+        return unknown_effect(found.predictor, found.path)
+    return None
+
+
+def _imitated(steps: Sequence[Step], unknown: Unknown) -> bool:
+    """Return whether the added effects imitate an unknown one elsewhere that alone leaves far less."""
+    elsewhere = all(step.effect.at != unknown.at for step in steps)
+    excess = DIAGNOSIS.imitation_excess * (steps[-1].gap_after - 1)
+    return elsewhere and not unknown.beside_steps and unknown.gap_after - 1 < excess
 
 
 def _verdict_and_steps(

@@ -223,6 +223,89 @@ class Localisation:
     """Mean squared normalised difference of FRFs at two force levels; None: one level only."""
 
 
+class UnknownCause(StrEnum):
+    """What an unknown effect acts as."""
+
+    INTERNAL_FORCE = "internal_force"  # force on one DoF of the structure
+    CHANNEL_GAIN = "channel_gain"  # gain of one response channel
+    COMMON_GAIN = "common_gain"  # gain of all channels, or force at the drive point
+
+
+class CurveModelName(StrEnum):
+    """Parametric model of the curve of an unknown effect."""
+
+    SPRING = "spring"
+    MASS = "mass"
+    DAMPER = "damper"
+    HYSTERETIC_SPRING = "hysteretic_spring"  # spring with a loss factor
+    SPRING_AND_DAMPER = "spring_and_damper"  # in parallel
+    POWER = "power"  # of i omega, as of a fractional derivative
+    OSCILLATOR = "oscillator"  # mass on a spring with a loss factor
+    DELAYED_DISPLACEMENT_FEEDBACK = "delayed_displacement_feedback"
+    DELAYED_VELOCITY_FEEDBACK = "delayed_velocity_feedback"
+    DELAYED_ACCELERATION_FEEDBACK = "delayed_acceleration_feedback"
+    GAIN = "gain"  # constant
+    FIRST_ORDER_HIGH_PASS = "first_order_high_pass"
+    FIRST_ORDER_LOW_PASS = "first_order_low_pass"
+    DELAY = "delay"
+
+
+@dataclass(frozen=True)
+class CurvePoint:
+    """Value of an unknown effect's curve at one frequency."""
+
+    frequency: float
+    """Hz."""
+    real: float
+    """Real part, in the unit of the curve."""
+    imaginary: float
+    """Imaginary part, in the unit of the curve."""
+    standard_error: NanFloat
+    """Random error of the real and of the imaginary part, in the unit of the curve."""
+
+
+@dataclass(frozen=True)
+class UnknownRival:
+    """Place at which an unknown effect explains the measurement as well."""
+
+    cause: UnknownCause
+    """What the effect acts as."""
+    at: Place
+    """Place of the effect; None: all channels."""
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """Effect of no catalogue, solved for line by line: its place, its curve, and a model of the curve."""
+
+    cause: UnknownCause
+    """What the effect acts as."""
+    at: Place
+    """DoF of the force, or channel; None: all channels."""
+    curve: tuple[CurvePoint, ...]
+    """Dynamic stiffness from the DoF to the ground, or gain true over declared, at most one for ten lines."""
+    unit: str
+    """Unit of the curve: N/m or N m/rad; `1` for a gain."""
+    curve_model: CurveModelName | None
+    """Parametric model that the curve follows; None: none of those tried."""
+    source: Dof | None
+    """DoF whose motion the force follows by that model; None: not a force, or no model."""
+    parameters: Mapping[str, FittedParameter]
+    """Parameters of the curve model by name."""
+    gap_before: NanFloat
+    """Gap of the fitted FRFs without it: with the added effects if it acts beside them."""
+    gap_after: NanFloat
+    """Gap of the fitted FRFs with the curve."""
+    held_out_gap_before: NanFloat
+    """Gap of the held-out FRFs without it, likewise; nan where none was measured."""
+    held_out_gap_after: NanFloat
+    """Gap of the held-out FRFs with the curve."""
+    beside_steps: bool
+    """Whether it acts beside the added effects; otherwise alone, in their place."""
+    rivals_alike: tuple[UnknownRival, ...] = ()
+    """Other places that this measurement cannot distinguish from the named one."""
+
+
 @dataclass(frozen=True)
 class NextTest:
     """Proposed further test that would distinguish explanations which this measurement cannot."""
@@ -263,6 +346,8 @@ class Diagnosis:
     """All effects fitted in the first round, best first."""
     detection_limits: tuple[DetectionLimit, ...] = ()
     """Smallest amounts that the test would have shown beside the added effects; empty if a gap remains."""
+    unknown: Unknown | None = None
+    """Effect of no catalogue that closes most of a remaining gap; None: no gap remains, or none does."""
     next_test: NextTest | None = None
     """Proposed further test; None: no rival is left."""
     tolerated: tuple[ToleratedParameter, ...] = ()

@@ -50,6 +50,11 @@ class DiagnosisSettings(Settings):
         doc="predictions of a detection limit, each nearer to it",
         derived="the second is near the limit; small effects are linear",
     )
+    imitation_excess: float = setting(
+        0.5,
+        doc="excess of the gap that an unknown effect leaves, over that of effects found, if they imitate it",
+        derived="far less: half",
+    )
 
 
 DIAGNOSIS = DiagnosisSettings()

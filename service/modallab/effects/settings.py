@@ -18,6 +18,29 @@ class OscillatorScan(Settings):
 
 
 @dataclass(frozen=True)
+class MountingSettings(Settings):
+    """Accelerometers on their mounting."""
+
+    rigid_frequency: float = setting(
+        2e4,
+        unit="Hz",
+        doc="mounted resonance above which an accelerometer loads the structure as a rigid one",
+        derived="at 2 kHz its mass then differs by 1 %",
+    )
+
+
+@dataclass(frozen=True)
+class CableScan(Settings):
+    """Scan of the mass of accelerometer cables."""
+
+    growth: float = setting(
+        3.0,
+        doc="trial growth of the mass over the structure, over the mass at its corner",
+        derived="a cable hangs over most of the structure's size; none is tried beside it",
+    )
+
+
+@dataclass(frozen=True)
 class JointScan(Settings):
     """Scan of a joint's flexibility."""
 
@@ -126,6 +149,8 @@ class SuspensionPlaces(Settings):
 
 
 OSCILLATOR_SCAN = OscillatorScan()
+CABLE_SCAN = CableScan()
+MOUNTING = MountingSettings()
 JOINT_SCAN = JointScan()
 MIX_UP = MixUpSettings()
 MAINS = MainsSettings()

@@ -65,7 +65,7 @@ class SuspensionStiffness(Effect):
         if not all(dof.translational for dof in self._dofs):
             raise self._misplaced("a translation")
 
-    def reduced_model(self) -> tuple[Effect, str] | None:
+    def reduced_model(self) -> tuple[Effect, tuple[str, ...]] | None:
         """Return a spring to the ground for a single band; see `Effect.reduced_model`."""
         return super().reduced_model() if isinstance(self.at, Dof) else None
 

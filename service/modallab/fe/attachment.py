@@ -39,6 +39,11 @@ class Attachment:
             if value is not None:
                 object.__setattr__(self, name, frozen(value, float, (r, r), name=name))
 
+    @property
+    def is_constant(self) -> bool:
+        """Whether constant matrices without internal coordinates describe it."""
+        return self.inner == 0
+
     def equals(self, attachment: "Attachment") -> bool:
         """Return whether another attachment is equal to this one."""
         return self is attachment or self.key == attachment.key
@@ -70,6 +75,8 @@ class Attachment:
 
 def dynamic_stiffnesses(attachments: Sequence[Attachment], omega: FloatArray) -> ComplexArray:
     """Return the dynamic stiffness of attachments of equal size, (n, n_freq, r, r), N/m."""
+    if not all(a.is_constant or a.inner for a in attachments):
+        return np.array([a.dynamic_stiffness(omega) for a in attachments])
     inner, r = attachments[0].inner, attachments[0].columns.shape[1]
     z = np.zeros((len(attachments), len(omega), r + inner, r + inner), complex)
     w, zeros = omega[:, None, None], np.zeros(z.shape[2:])
@@ -203,8 +210,8 @@ def unique_columns(columns: FloatArray) -> tuple[FloatArray, list[int]]:
 
 
 def merged(attachments: Sequence[Attachment]) -> tuple[Attachment, ...]:
-    """Return equivalent attachments: all without internal coordinates merged into one, each motion once."""
-    plain = [a for a in attachments if a.inner == 0]
+    """Return equivalent attachments: all of constant matrices merged into one, each motion once."""
+    plain = [a for a in attachments if a.is_constant]
     columns, place = unique_columns(np.hstack([a.columns for a in plain]))
     total: dict[str, FloatArray] = {}
     first = 0
@@ -216,4 +223,4 @@ def merged(attachments: Sequence[Attachment]) -> tuple[Attachment, ...]:
                 matrix = total.setdefault(name, np.zeros((columns.shape[1],) * 2))
                 np.add.at(matrix, np.ix_(rows, rows), block)
     attachment = Attachment(columns, **total)  # type: ignore[arg-type]
-    return attachment, *(a for a in attachments if a.inner)
+    return attachment, *(a for a in attachments if not a.is_constant)

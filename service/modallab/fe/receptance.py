@@ -193,7 +193,8 @@ def condense_if_cheaper(system: DynamicSystem, n_freq: float = np.inf) -> Dynami
 
     Solving for the modes again costs less than many attached columns at every one of many frequencies.
     Folded matrices and their modes are cached, and used for systems with a few attachments more.
-    Attachments with internal coordinates stay attached, so that rows remain those of the DoFs.
+    Attachments with internal coordinates stay attached, so that rows remain those of the DoFs; those of
+    tabulated stiffness too, as no matrix has it.
 
     Parameters
     ----------
@@ -210,10 +211,10 @@ def condense_if_cheaper(system: DynamicSystem, n_freq: float = np.inf) -> Dynami
         system
     ) <= RECEPTANCE.woodbury_products_per_dof * len(system.dofs):
         return system
-    plain = tuple(a for a in system.attachments if a.inner == 0)
+    plain = tuple(a for a in system.attachments if a.is_constant)
     folded = replace(system, attachments=plain).folded()
     system.cache.compute(FOLDED_SYSTEMS, tuple(a.key for a in plain), lambda: folded)
-    return replace(folded, attachments=tuple(a for a in system.attachments if a.inner))
+    return replace(folded, attachments=tuple(a for a in system.attachments if not a.is_constant))
 
 
 def _n_motions(system: DynamicSystem) -> int:

@@ -54,10 +54,11 @@ class Effect(Parameterised):
     same_in_all_runs: ClassVar[bool] = False  # True: changes the structure equally in every run
     suspected: ClassVar[bool] = True  # False: a diagnosis looks for it only when told to
     intermittent: ClassVar[bool] = False  # True: its contribution is concentrated in few records
-    nested_kind: ClassVar[str | None] = None  # kind with one parameter fewer, a special case of this one
+    nested_kind: ClassVar[str | None] = None  # kind with fewer parameters, a special case of this one
     of_stated_damping: ClassVar[bool] = False  # True: no suspect where the model's damping is unknown
     linearised_kinds: ClassVar[tuple[str, ...]] = ()  # kinds that its equivalent linearisation is of
     level_dependent: ClassVar[tuple[str, ...]] = ()  # parameters whose size goes with the source's level
+    tabulated: ClassVar[bool] = False  # True: a field `table` holds a curve over frequency
     tolerance: ClassVar[str | None] = None  # name of the model tolerance that its first parameter may have
     at: Place = None
 
@@ -163,14 +164,14 @@ class Effect(Parameterised):
         """Return the effect with other parameters that the test can hardly distinguish from it, if any."""
         return None
 
-    def reduced_model(self) -> "tuple[Effect, str] | None":
-        """Return the nested effect with one parameter fewer, and that parameter's name."""
+    def reduced_model(self) -> "tuple[Effect, tuple[str, ...]] | None":
+        """Return the nested effect with fewer parameters, and the names of those that it lacks."""
         if self.nested_kind is None:
             return None
         cls = EFFECTS[self.nested_kind]
         common_parameters: dict[str, Any] = {name: self.parameters[name] for name in cls.specs()}
-        (extra_parameter,) = self.specs().keys() - common_parameters.keys()
-        return cls(at=self.at, **common_parameters), extra_parameter
+        extra_parameters = tuple(name for name in self.specs() if name not in common_parameters)
+        return cls(at=self.at, **common_parameters), extra_parameters
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
@@ -207,7 +208,7 @@ class Effect(Parameterised):
     @property
     def spec(self) -> EffectSpec:
         """The effect as plain data."""
-        return EffectSpec(self.kind, self.at, self.parameters)
+        return EffectSpec(self.kind, self.at, self.parameters, getattr(self, "table", ()))
 
 
 _PLACES = {NoneType: "null", Dof: "a DoF", Dofs: "DoFs", Members: "members", Channels: "channels"}
@@ -232,4 +233,11 @@ def build(spec: EffectSpec) -> Effect:
                 allowed=list(cls.specs()),
             )
     values: dict[str, Any] = {name: float(value) for name, value in spec.parameters.items()}
+    if spec.table and not cls.tabulated:
+        kinds = [kind for kind, each in EFFECTS.items() if each.tabulated]
+        raise InvalidInputError(
+            f"{spec.kind} has no table", field="effects.table", value=f"{len(spec.table)} rows", allowed=kinds
+        )
+    if spec.table:
+        values["table"] = spec.table
     return cls(at=spec.at, **values)

@@ -96,7 +96,8 @@ class _SingleForceLaw:
 def _unmeasured_signal(spectra: CrossSpectra, signal: FloatArray) -> ComplexArray | None:
     """Return the response to the part of the signal that a noisy force channel does not explain.
 
-    Of unit power: (n_run, n_freq, n_out). For few averages, where there is nothing of it to draw, None too.
+    The signal has unit power; shape (n_run, n_freq, n_out). None if there are too few averages, or if the
+    force channel explains the whole signal.
     """
     share = signal / spectra.ff[:, :, 0, 0].real
     if spectra.averages < WISHART.min_averages or (1 - share).max() < PRODUCT_ROUNDING:

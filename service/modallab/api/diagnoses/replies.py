@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from modallab.api.replies import replies_of, stored_reply
+from modallab.api.wire import Reply
 from modallab.diagnosis.result import Diagnosis
 from modallab.store.base import Entry
 
@@ -17,6 +18,17 @@ class FollowUpTest:
     """Measurement of the further test."""
     changed: Mapping[str, object]
     """Changes against the first test."""
+
+
+class Adoption(Reply):
+    """Model and log book with the unknown effect of a diagnosis in them."""
+
+    structure_id: str
+    """Model: with the added effects where the unknown effect acts beside them."""
+    rig_id: str
+    """Log book, likewise."""
+    kind: str
+    """Kind of the effect that was added: `tabulated_stiffness` or `tabulated_response`."""
 
 
 DiagnosisReply = stored_reply(

@@ -10,15 +10,18 @@ from modallab.api import array_tables
 from modallab.api.arrays import ArraysFormatDep
 from modallab.api.deps import IdPath, JobsDep, OwnerDep, StoreDep
 from modallab.api.diagnoses.follow_ups import check_follow_ups
-from modallab.api.diagnoses.replies import DiagnosisReply, diagnosis_reply
+from modallab.api.diagnoses.replies import Adoption, DiagnosisReply, diagnosis_reply
 from modallab.api.diagnoses.schemas import DiagnosisStart
 from modallab.api.examples import example
 from modallab.api.jobs import JobReply, job_reply
 from modallab.api.shelves import add_routes
+from modallab.core.errors import InvalidInputError
 from modallab.core.line_options import line_mask
 from modallab.diagnosis.predicting.comparability import check_comparable
 from modallab.diagnosis.reporting.report import report
 from modallab.diagnosis.residuals.random_error import check_random_error_known
+from modallab.diagnosis.result_builder import extended
+from modallab.diagnosis.unknown.adoption import adopted_effect
 from modallab.jobs.tasks import DIAGNOSIS
 
 # The page holds all it shows: it may load nothing and run nothing.
@@ -75,6 +78,33 @@ def get_diagnosis_report(id: IdPath, store: StoreDep) -> HTMLResponse:
     entry = store.diagnoses.entry(id)
     origin = {**entry.inputs, "id": entry.id, "created": entry.created, "version": entry.version}
     return HTMLResponse(report(store.diagnoses.get(id), origin), headers=_STATIC)
+
+
+@router.post(
+    "/{id}/adopt",
+    status_code=status.HTTP_201_CREATED,
+    response_model=Adoption,
+    summary="Adopt an unknown effect",
+)
+def adopt_unknown_effect(id: IdPath, store: StoreDep, owner: OwnerDep) -> Any:
+    """Return a model and a log book with the unknown effect of a diagnosis as a tabulated effect."""
+    diagnosis, inputs = store.diagnoses.get(id), store.diagnoses.entry(id).inputs
+    if diagnosis.unknown is None:
+        raise InvalidInputError(
+            "this diagnosis has no unknown effect", field="id", value=id, allowed="a diagnosis with `unknown`"
+        )
+    structure, setup = diagnosis.structure, diagnosis.setup
+    if not diagnosis.unknown.beside_steps:
+        structure = store.structures.get(inputs["structure_id"])
+        setup = store.measurements.get(inputs["measurement_id"]).setup
+    effect = adopted_effect(diagnosis.unknown, diagnosis.curves.freq)
+    model, log_book = extended(structure, setup, [effect])
+    with store.together() as batch:
+        return Adoption(
+            structure_id=batch.structures.add(model, owner=owner, inputs={"diagnosis_id": id}),
+            rig_id=batch.rigs.add(log_book, owner=owner, inputs={"diagnosis_id": id}),
+            kind=effect.kind,
+        )
 
 
 add_routes(router, "diagnoses", "diagnosis")

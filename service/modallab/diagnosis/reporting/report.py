@@ -21,7 +21,6 @@ from modallab.diagnosis.reporting.text import (
     equivalence_statement,
     gap_reduction,
     gap_text,
-    headline,
     location_statements,
     next_test_text,
     parameter_rows,
@@ -29,8 +28,9 @@ from modallab.diagnosis.reporting.text import (
     probability_text,
     shift_text,
     tolerated_rows,
-    verdict_text,
 )
+from modallab.diagnosis.reporting.unknown_effect import unknown_section
+from modallab.diagnosis.reporting.verdict_text import headline, verdict_text
 from modallab.diagnosis.result import Diagnosis, Rival, Verdict
 from modallab.rig.effect import EFFECTS
 from modallab.rig.setup import RigSetup
@@ -86,6 +86,7 @@ def report(diagnosis: Diagnosis, provenance: Mapping[str, str] | None = None) ->
         f"<h1>{escape(title)}</h1>",
         paragraph(verdict_text(diagnosis), "lead"),
         _missing_effects(diagnosis),
+        unknown_section(diagnosis.unknown),
         _next_test(diagnosis),
         _location(diagnosis),
         enlarged(diagnosis.curves, added=added),

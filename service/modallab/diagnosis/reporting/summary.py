@@ -7,13 +7,13 @@ from modallab.diagnosis.reporting.text import (
     effect_name,
     equivalence_statement,
     gap_reduction,
-    headline,
     location_statements,
     next_test_text,
     parameter_list,
     probability_statement,
-    verdict_text,
 )
+from modallab.diagnosis.reporting.unknown_effect import unknown_text
+from modallab.diagnosis.reporting.verdict_text import headline, verdict_text
 from modallab.diagnosis.result import Diagnosis, Step
 
 
@@ -24,6 +24,8 @@ def summary(diagnosis: Diagnosis) -> str:
     lines += [_labelled("" if i else "where", text) for i, text in enumerate(places)]
     for number, step in enumerate(diagnosis.steps, 1):
         lines += ["", *_step_lines(number, step)]
+    if diagnosis.unknown is not None:
+        lines += ["", _labelled("unknown", unknown_text(diagnosis.unknown))]
     if diagnosis.next_test is not None:
         lines += ["", _labelled("next test", next_test_text(diagnosis.next_test))]
     lines += ["", *(_labelled("note", note) for note in diagnosis.notes)]

@@ -7,7 +7,6 @@ from modallab.core.dof import Dof
 from modallab.core.place import Channels, Dofs, Members, Place
 from modallab.diagnosis.result import (
     DetectionLimit,
-    Diagnosis,
     EquivalentEffect,
     FittedEffect,
     FittedParameter,
@@ -16,7 +15,6 @@ from modallab.diagnosis.result import (
     Rival,
     Step,
     ToleratedParameter,
-    Verdict,
 )
 from modallab.fe.structure import Structure
 from modallab.rig.effect import EFFECTS
@@ -42,22 +40,23 @@ def effect_name(effect: FittedEffect | Rival | EquivalentEffect) -> str:
     if effect.at is None:
         return f"{kind} everywhere" if EFFECTS[effect.kind].structural else kind
     if isinstance(effect.at, Channels) and kind.endswith(" channels"):
-        return f"{kind.removesuffix(' channels')} {_place_name(effect.at)}"
-    return f"{kind} {'of' if isinstance(effect.at, Channels) else 'at'} {_place_name(effect.at)}"
+        return f"{kind.removesuffix(' channels')} {place_name(effect.at)}"
+    return f"{kind} {'of' if isinstance(effect.at, Channels) else 'at'} {place_name(effect.at)}"
 
 
-def _place_name(place: Place) -> str:
+def place_name(place: Place) -> str:
+    """Return a place in words: members and channels by number, DoFs as they are written."""
     if isinstance(place, Members):
         return _counted("member", [str(number) for number in place.numbers])
     if isinstance(place, Channels):
         return _counted("channel", [str(dof) for dof in place.dofs])
     if isinstance(place, Dofs):
-        return _enumeration([str(dof) for dof in place.dofs])
+        return enumeration([str(dof) for dof in place.dofs])
     return str(place)
 
 
 def _counted(noun: str, names: list[str]) -> str:
-    return f"{noun}{'s' if len(names) > 1 else ''} {_enumeration(names)}"
+    return f"{noun}{'s' if len(names) > 1 else ''} {enumeration(names)}"
 
 
 def place_description(place: Place, structure: Structure) -> str:
@@ -72,18 +71,18 @@ def place_description(place: Place, structure: Structure) -> str:
         return "; ".join(place_description(dof, structure) for dof in place.dofs)
     if isinstance(place, Members):
         return "; ".join(
-            f"member {number}, between nodes {_enumeration([str(n) for n in structure.member(number).nodes])}"
+            f"member {number}, between nodes {enumeration([str(n) for n in structure.member(number).nodes])}"
             for number in place.numbers
         )
     if isinstance(place, Channels):
-        return _place_name(place)
+        return place_name(place)
     return "everywhere"
 
 
 def _between(members: list[int]) -> str:
     if len(members) == 1:
         return f"the end of member {members[0]}"
-    return f"between members {_enumeration([str(number) for number in members])}"
+    return f"between members {enumeration([str(number) for number in members])}"
 
 
 def number_text(parameter: FittedParameter) -> str:
@@ -118,7 +117,7 @@ def _in_two_digits(value: float) -> str:
 
 
 def _at(place: Place) -> str:
-    return "" if place is None else f" ({_place_name(place)})"
+    return "" if place is None else f" ({place_name(place)})"
 
 
 def tolerated_rows(parameters: Sequence[ToleratedParameter]) -> list[tuple[str, str, str]]:
@@ -145,7 +144,7 @@ def _tolerated_row(nuisance: ToleratedParameter) -> tuple[str, str, str]:
     tolerance = (
         f"{100 * nuisance.tolerance:.2g} %" if relative else f"{nuisance.tolerance:.2g} {nuisance.unit}"
     )
-    place = "" if nuisance.at is None else f", {_place_name(nuisance.at)}"
+    place = "" if nuisance.at is None else f", {place_name(nuisance.at)}"
     return f"{name}{place}", fitted, f"± {tolerance}"
 
 
@@ -176,42 +175,6 @@ def probability_text(probability: float) -> str:
     return "< 0.1 %" if probability < 0.001 else f"{100 * probability:.1f} %"
 
 
-def headline(diagnosis: Diagnosis) -> str:
-    """Return the verdict in one sentence."""
-    steps = diagnosis.steps
-    effects = _enumeration([effect_name(step.effect) for step in steps])
-    if diagnosis.verdict is Verdict.NOTHING_MISSING:
-        return "Nothing is missing that this test can show."
-    if diagnosis.verdict is Verdict.EXPLAINED:
-        return f"Explained. Missing effect{'s' if len(steps) > 1 else ''}: {effects}."
-    if diagnosis.verdict is Verdict.AMBIGUOUS:
-        return f"Explained, but not uniquely: {effects}, or an equivalent effect."
-    if diagnosis.verdict is Verdict.PARTLY_EXPLAINED:
-        share = 100 * (steps[-1].gap_after - 1) / (steps[0].gap_before - 1)
-        return (
-            f"Partly explained: {effects} {'closes' if len(steps) == 1 else 'close'} most of the gap; what "
-            f"remains, {share:.2g} % of it, is more than random error and has no name."
-        )
-    if not steps:
-        return "Unexplained: no suspect accounts for the difference. Nothing is added to the model."
-    verb = "reduces" if len(steps) == 1 else "reduce"
-    return f"Unexplained: {effects} {verb} the gap, but may not be present: another effect is missing."
-
-
-def verdict_text(diagnosis: Diagnosis) -> str:
-    """Return the reduction of the gap in a few sentences."""
-    remaining = f"{gap_text(diagnosis.remaining_gap)} (random error ± {diagnosis.remaining_scatter:.2f})"
-    if diagnosis.verdict is Verdict.NOTHING_MISSING:
-        return f"Model and log book predict this test within its random error: the gap is {remaining}."
-    if not diagnosis.steps:
-        return f"The gap is {remaining}; every suspect was tried at every possible place, and none closes it."
-    words = [_reduction(diagnosis.steps), f"The remaining gap over all FRFs is {remaining}."]
-    if diagnosis.verdict is Verdict.AMBIGUOUS:
-        equivalents = [effect_name(effect) for step in diagnosis.steps for effect in step.rivals_alike]
-        words.append(f"This measurement cannot distinguish it from {_enumeration(equivalents, 'or')}.")
-    return " ".join(words)
-
-
 def probability_statement(step: Step) -> str:
     """Return the probability of a step, and of its most probable rival."""
     probability = f"probability {probability_text(step.probability)}"
@@ -228,7 +191,7 @@ def probability_statement(step: Step) -> str:
 
 def equivalence_statement(step: Step) -> str:
     """Return the effects that this measurement cannot distinguish from the effect of a step."""
-    equivalents = _enumeration([effect_name(effect) for effect in step.rivals_alike], "or")
+    equivalents = enumeration([effect_name(effect) for effect in step.rivals_alike], "or")
     return f"this measurement cannot distinguish it from {equivalents}"
 
 
@@ -236,14 +199,12 @@ def location_statements(localisation: Localisation) -> list[str]:
     """Return statements on where the model without added effects disagrees with the measurement."""
     lines = []
     if localisation.bands:
-        lines.append(f"frequency bands: {_enumeration([_band(*band) for band in localisation.bands])}")
+        lines.append(f"frequency bands: {enumeration([_band(*band) for band in localisation.bands])}")
     if localisation.modes:
-        lines.append(
-            f"elastic modes of the model: {_enumeration([str(mode) for mode in localisation.modes])}"
-        )
+        lines.append(f"elastic modes of the model: {enumeration([str(mode) for mode in localisation.modes])}")
     # If most responses disagree, their list does not locate anything.
     if localisation.dofs and not len(localisation.dofs) > len(localisation.responses) / 2 > 0:
-        lines.append(f"responses that disagree most: {_enumeration([str(dof) for dof in localisation.dofs])}")
+        lines.append(f"responses that disagree most: {enumeration([str(dof) for dof in localisation.dofs])}")
     # Bands, responses and the gap by part are stated elsewhere.
     repeated = ("bands:", "responses:", "mean squared residual")
     return lines + [words for words in localisation.words if not words.startswith(repeated)]
@@ -256,7 +217,7 @@ def _band(low: float, high: float) -> str:
 def next_test_text(test: NextTest) -> str:
     """Return the proposed further test, its reason, and the effects that it distinguishes."""
     kinds = list(dict.fromkeys(kind.replace("_", " ") for kind in test.separates))
-    purpose = f" It distinguishes {_enumeration(kinds)}." if kinds else ""
+    purpose = f" It distinguishes {enumeration(kinds)}." if kinds else ""
     if len(kinds) == 1:
         purpose = f" It distinguishes one {kinds[0]} from another."
     if math.isfinite(test.expected_separation):
@@ -266,7 +227,7 @@ def next_test_text(test: NextTest) -> str:
 
 def changes_text(change: Mapping[str, object]) -> str:
     """Return the changes of a further test."""
-    return _enumeration([_change(key, value) for key, value in change.items()]) or "no change"
+    return enumeration([_change(key, value) for key, value in change.items()]) or "no change"
 
 
 def shift_text(value: float, error: float) -> str:
@@ -286,23 +247,14 @@ def _change(key: str, value: object) -> str:
     if isinstance(value, float):
         text = f"{value:g}"
     elif isinstance(value, (list, tuple)):
-        text = _enumeration([str(entry) for entry in value])
+        text = enumeration([str(entry) for entry in value])
     else:
         text = str(value).replace("_", " ")
     return CHANGES[key].format(text) if key in CHANGES else f"{key.replace('_', ' ')} {text}"
 
 
-def _reduction(steps: tuple[Step, ...]) -> str:
-    first, last = steps[0], steps[-1]
-    subject = "the added effect" if len(steps) == 1 else "the added effects"
-    return (
-        f"With {subject} the gap falls from {gap_text(first.gap_before)} to {gap_text(last.gap_after)}; "
-        f"on FRFs that took no part in the fit, from {gap_text(first.held_out_gap_before)} "
-        f"to {gap_text(last.held_out_gap_after)} (random error ± {last.held_out_scatter:.2f})."
-    )
-
-
-def _enumeration(names: list[str], last: str = "and") -> str:
+def enumeration(names: list[str], last: str = "and") -> str:
+    """Return names with commas and a last word between."""
     if len(names) < 2:
         return "".join(names)
     return f"{', '.join(names[:-1])} {last} {names[-1]}"

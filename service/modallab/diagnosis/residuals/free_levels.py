@@ -94,7 +94,9 @@ class FreeLevels:
         *,
         start: WhiteNoise | None = None,
     ) -> WhiteNoise | None:
-        """Return the noise that fits the measured incoherent spectra best; None if none is open or told.
+        """Return the noise levels that fit the measured incoherent spectra best.
+
+        None if all levels are declared, or the spectra do not determine them.
 
         Parameters
         ----------

@@ -133,7 +133,8 @@ def force_spectrum(
     """Return G_ff (n_freq, n_run), N^2/Hz, and the variance of its logarithm.
 
     The expectation of the logarithm is unbiased. If a share s of the power is random, G_ff has nearly a
-    Gamma distribution of n/(s (2 - s)): Patnaik (1949), Biometrika 36, 202-232.
+    Gamma distribution of shape n/(s (2 - s)), n the number of averages: Patnaik (1949), Biometrika 36,
+    202-232.
 
     Parameters
     ----------
@@ -182,8 +183,8 @@ def shared_noise(spectra: ChannelSpectra) -> FloatArray | None:
 def _force_noise_bound(spectra: ChannelSpectra) -> float:
     """Return an upper bound of the white noise in the force, N^2/Hz.
 
-    Noise of the force lowers the coherence at every line, noise of a response where that response is weak:
-    the lines of highest coherence bound the former.
+    Noise of the force lowers the coherence at every line; noise of a response lowers it only where that
+    response is weak. So the lines of highest coherence bound the noise of the force.
     """
     force = spectra.force_by_channel
     assert force is not None

@@ -130,7 +130,7 @@ def _lower_bound(candidate: Fit, fits: Sequence[Fit]) -> float | None:
     reduced = candidate.effects[-1].reduced_model() if candidate.effects else None
     if reduced is None:
         return None
-    effect, parameter = reduced
+    effect, extra_parameters = reduced
     plain = next((f for f in fits if f.effects and _same_place(f.effects[-1], effect)), None)
     if plain is None:
         return None
@@ -138,10 +138,10 @@ def _lower_bound(candidate: Fit, fits: Sequence[Fit]) -> float | None:
     significance = {
         name: abs(values[name]) / error if error > 0 else np.inf for name, error in errors.items()
     }
-    other_significance = (value for name, value in significance.items() if name != parameter)
+    other_significance = (value for name, value in significance.items() if name not in extra_parameters)
     if any(value < ACCEPTANCE.min_significance for value in other_significance):
         return None  # the data may determine only a product of its parameters, not the error of one
-    gain = candidate.correlation_length * significance[parameter] ** 2
+    gain = candidate.correlation_length * sum(significance[name] ** 2 for name in extra_parameters)
     penalty = (candidate.bic - candidate.chi_square) - (plain.bic - plain.chi_square)
     # Far from zero a standard error shows that the parameter is nonzero, not how much worse zero is.
     return float(plain.bic + penalty - gain) if gain < penalty + ACCEPTANCE.very_strong_bic else None

@@ -26,8 +26,8 @@ class Group:
 def backward_elimination(slopes: FloatArray, target: FloatArray, can_merge: CanMerge) -> list[Group]:
     """Return the groups of columns, one coefficient each, that explain a target as well as all columns do.
 
-    Backward elimination: the column of the least loss goes, as long as BIC does not speak strongly
-    against it.
+    Backward elimination removes the column whose removal raises the loss least, until the Bayesian
+    information criterion (BIC) is strongly against a removal.
 
     Parameters
     ----------

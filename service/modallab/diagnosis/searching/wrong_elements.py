@@ -17,7 +17,8 @@ from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.residual import inflation_weights
 from modallab.diagnosis.searching.backward_elimination import Group, backward_elimination
-from modallab.diagnosis.searching.modification_screen import Exchange, ModificationScreen
+from modallab.diagnosis.searching.modification_screen import ModificationScreen
+from modallab.diagnosis.searching.run_receptances import Exchange
 from modallab.diagnosis.searching.settings import MULTIPLE_ELEMENTS
 from modallab.rig.effect import Effect
 

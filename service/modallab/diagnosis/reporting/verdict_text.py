@@ -1,0 +1,60 @@
+"""Verdict of a diagnosis in words: the first sentences of its report."""
+
+from modallab.diagnosis.reporting.text import effect_name, enumeration, gap_text
+from modallab.diagnosis.reporting.unknown_effect import unknown_name
+from modallab.diagnosis.result import Diagnosis, Step, Verdict
+
+
+def headline(diagnosis: Diagnosis) -> str:
+    """Return the verdict in one sentence."""
+    steps = diagnosis.steps
+    effects = enumeration([effect_name(step.effect) for step in steps])
+    if diagnosis.verdict is Verdict.NOTHING_MISSING:
+        return "Nothing is missing that this test can show."
+    if diagnosis.verdict is Verdict.EXPLAINED:
+        return f"Explained. Missing effect{'s' if len(steps) > 1 else ''}: {effects}."
+    if diagnosis.verdict is Verdict.AMBIGUOUS:
+        return f"Explained, but not uniquely: {effects}, or an equivalent effect."
+    if diagnosis.verdict is Verdict.PARTLY_EXPLAINED:
+        share = 100 * (steps[-1].gap_after - 1) / (steps[0].gap_before - 1)
+        return (
+            f"Partly explained: {effects} {'closes' if len(steps) == 1 else 'close'} most of the gap; what "
+            f"remains, {share:.2g} % of it, is more than random error and has no name."
+        )
+    return _unexplained_headline(diagnosis, effects)
+
+
+def _unexplained_headline(diagnosis: Diagnosis, effects: str) -> str:
+    steps, unknown = diagnosis.steps, diagnosis.unknown
+    if unknown is not None and not unknown.beside_steps:
+        gaps = f"{gap_text(unknown.gap_before)} to {gap_text(unknown.gap_after)}"
+        name = unknown_name(unknown)
+        return f"Unexplained by the catalogue: {name} closes the gap of the FRFs from {gaps}."
+    if not steps:
+        return "Unexplained: no suspect accounts for the difference. Nothing is added to the model."
+    verb = "reduces" if len(steps) == 1 else "reduce"
+    return f"Unexplained: {effects} {verb} the gap, but may not be present: another effect is missing."
+
+
+def verdict_text(diagnosis: Diagnosis) -> str:
+    """Return the reduction of the gap in a few sentences."""
+    remaining = f"{gap_text(diagnosis.remaining_gap)} (random error ± {diagnosis.remaining_scatter:.2f})"
+    if diagnosis.verdict is Verdict.NOTHING_MISSING:
+        return f"Model and log book predict this test within its random error: the gap is {remaining}."
+    if not diagnosis.steps:
+        return f"The gap is {remaining}; every suspect was tried at every possible place, and none closes it."
+    words = [_reduction(diagnosis.steps), f"The remaining gap over all FRFs is {remaining}."]
+    if diagnosis.verdict is Verdict.AMBIGUOUS:
+        equivalents = [effect_name(effect) for step in diagnosis.steps for effect in step.rivals_alike]
+        words.append(f"This measurement cannot distinguish it from {enumeration(equivalents, 'or')}.")
+    return " ".join(words)
+
+
+def _reduction(steps: tuple[Step, ...]) -> str:
+    first, last = steps[0], steps[-1]
+    subject = "the added effect" if len(steps) == 1 else "the added effects"
+    return (
+        f"With {subject} the gap falls from {gap_text(first.gap_before)} to {gap_text(last.gap_after)}; "
+        f"on FRFs that took no part in the fit, from {gap_text(first.held_out_gap_before)} "
+        f"to {gap_text(last.held_out_gap_after)} (random error ± {last.held_out_scatter:.2f})."
+    )

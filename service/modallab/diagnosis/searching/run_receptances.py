@@ -1,0 +1,146 @@
+"""Receptances of the runs of a test, from which structural modifications follow in closed form."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray
+from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
+from modallab.diagnosis.searching.attached_stiffness import AttachedStiffness
+from modallab.fe.attachment import Attachment
+from modallab.fe.receptance import attached, solve_small
+from modallab.fe.receptance_map import ReceptanceMap
+from modallab.rig.effect import Effect
+from modallab.rig.run import Run
+from modallab.rig.settings import CHAIN
+
+Exchange = tuple[Attachment | None, Attachment | None]
+"""An attachment that is added, and the one that it replaces."""
+
+
+class RunReceptances:
+    """Receptances of the runs of one test, with the transducers but without an additional effect.
+
+    Parameters
+    ----------
+    accepted
+        Effects that act in every prediction.
+    lines
+        (n_lines,) indices of the lines from 0 Hz on.
+    """
+
+    def __init__(self, predictor: SingleTestPredictor, accepted: Sequence[Effect], lines: IntArray) -> None:
+        analyser = predictor.setup.baseband.analyser
+        freq = analyser.freq[lines]
+        self._runs = predictor.chain(accepted).runs
+        self.omega = 2 * np.pi * np.maximum(freq, CHAIN.dc_line_fraction * analyser.spacing)
+        self._attached = AttachedStiffness(self._runs[0], self.omega)
+        self._maps = [_receptance_map(runs, self.omega) for runs in _solution_groups(self._runs)]
+        self.direct = self._direct_receptances()
+
+    @property
+    def size(self) -> int:
+        """Number of FRFs times number of lines."""
+        return int(self.direct.size)
+
+    def ratios(self, variants: Sequence[Effect], places: IntArray) -> ComplexArray | None:
+        """Return the ratios (n_variants, n_places); None where the effect alters the matrices.
+
+        Parameters
+        ----------
+        places
+            Indices of entries (n_lines, n_force n_out), counted line by line.
+        """
+        stiffness = self._attached.of(variants)
+        if stiffness is None:
+            return None
+        columns, z = stiffness[0], stiffness[1][:, None]
+        to_b, within, from_b = self.receptances(columns)
+        # z (n_variants, 1, n_lines, r, r) against (n_force, n_lines, ...): every size for every force.
+        if z.shape[-1] == 1:  # without a call for every line
+            inner, force = z * within, z * from_b
+        else:
+            inner, force = z @ within, z @ from_b
+        inner[..., np.arange(z.shape[-1]), np.arange(z.shape[-1])] += 1.0
+        forces = solve_small(inner, force)[..., 0]
+        line, force_number, out = np.unravel_index(places, np.moveaxis(self.direct, 0, 1).shape)
+        alpha, direct = to_b[force_number, line, out], self.direct[force_number, line, out]
+        # Motion by motion: matrix products of so few would be a call for every line.
+        change = sum(alpha[:, i] * forces[..., i][:, force_number, line] for i in range(z.shape[-1]))
+        return np.asarray(1 - change / direct)
+
+    def derivatives(self, exchanged: Sequence[Exchange]) -> ComplexArray:
+        """Return the relative changes (n_exchanged, n_lines, n_out), each for a whole exchange."""
+        to_outputs, from_drive, direct = self._all_receptances()
+        change = np.zeros((len(exchanged), *direct.shape), complex)
+        for i, (added, removed) in enumerate(exchanged):
+            for sign, a in ((-1, added), (1, removed)):
+                if a is not None:
+                    rows = len(a.columns)
+                    z, motion = a.dynamic_stiffness(self.omega), from_drive[..., :rows] @ a.columns
+                    force = np.einsum("fij,rfj->rfi", z, motion)
+                    change[i] += (
+                        sign * ((to_outputs[..., :rows] @ a.columns) @ force[..., None])[..., 0] / direct
+                    )
+        return np.moveaxis(change, 1, 2).reshape(len(exchanged), len(self.omega), -1)
+
+    def _all_receptances(self) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+        """Return alpha_oX (n_force, n_lines, n_out, n) of all DoFs, alpha_dX (.., n) and alpha_od."""
+        to_outputs, from_drive, direct = [], [], []
+        for run in self._runs:
+            drives = run.system.selection(run.acquisition_run.drives)
+            n_in = drives.shape[1]
+            rows = np.hstack([run.system.selection(run.motions), drives])
+            columns = np.hstack([drives, np.eye(len(drives))])
+            response = run.system.base_modes(float(self.omega.max()) / (2 * np.pi)).at(self.omega)
+            alpha = attached(response, run.system, rows, columns)
+            run_outputs = run.channel_motions(alpha[:, :-n_in])
+            for i in range(n_in):
+                to_outputs.append(run_outputs[..., n_in:])
+                from_drive.append(alpha[:, i - n_in, n_in:])
+                direct.append(run_outputs[..., i])
+        return np.array(to_outputs), np.array(from_drive), np.array(direct)
+
+    def _direct_receptances(self) -> ComplexArray:
+        """Return alpha_od (n_force, n_lines, n_out) from each drive point to the responses of its run."""
+        runs = [run for run in self._runs for _ in run.acquisition_run.drives]
+        drives = [drive for run in self._runs for drive in run.acquisition_run.drives]
+        direct = {
+            drive: self.receptances(runs[drives.index(drive)].system.selection((drive,)))[0][..., 0]
+            for drive in dict.fromkeys(drives)
+        }
+        return np.array([direct[drive][i] for i, drive in enumerate(drives)])
+
+    def receptances(self, columns: FloatArray) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+        """Return alpha_oB (n_force, n_lines, n_out, r), alpha_BB and alpha_Bd (.., r, 1) of r columns."""
+        alpha: list[ComplexArray] = []
+        within: list[ComplexArray] = []
+        for receptance_map in self._maps:
+            to_b, block = receptance_map.to(columns)
+            alpha += list(to_b)
+            within += list(block)
+        to_outputs = [run.channel_motions(block) for run, block in zip(self._runs, alpha, strict=True)]
+        # The motions of a run begin with those of its drive points.
+        of_force = [
+            (i, d) for i, run in enumerate(self._runs) for d in range(len(run.acquisition_run.drives))
+        ]
+        return (
+            np.array([to_outputs[i] for i, _ in of_force]),
+            np.array([within[i] for i, _ in of_force]),
+            np.array([alpha[i][:, d : d + 1].swapaxes(1, 2) for i, d in of_force]),
+        )
+
+
+def _solution_groups(runs: Sequence[Run]) -> list[Sequence[Run]]:
+    """Return the runs in groups of one solution each: all together, or one by one."""
+    first = runs[0]
+    equal = all(
+        run.system.mass is first.system.mass and len(run.motions) == len(first.motions) for run in runs
+    )
+    return [runs] if equal else [[run] for run in runs]
+
+
+def _receptance_map(runs: Sequence[Run], omega: FloatArray) -> ReceptanceMap:
+    return ReceptanceMap(
+        [run.system for run in runs], omega, [run.system.selection(run.motions) for run in runs]
+    )

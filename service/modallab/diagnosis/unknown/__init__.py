@@ -1,0 +1,1 @@
+"""Unknown effects: an internal force or a channel's gain, solved for line by line."""

@@ -1,0 +1,183 @@
+"""Solution for an unknown effect: its place first, then its curve, then the model that the curve follows."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.dof import Dof
+from modallab.diagnosis.fitting.fit import Fit
+from modallab.diagnosis.optimisation.fit_parameters import ParameterVector
+from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
+from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
+from modallab.diagnosis.residuals.residual import residual
+from modallab.diagnosis.result import CurvePoint, FittedParameter, Unknown, UnknownRival
+from modallab.diagnosis.searching.search_path import SearchPath
+from modallab.diagnosis.unknown.curve import SmoothCurve
+from modallab.diagnosis.unknown.curve_model_choice import ChosenModel, choose_curve_model
+from modallab.diagnosis.unknown.line_by_line import Influence, LineByLine, LineFit
+from modallab.diagnosis.unknown.places import Influences, UnknownPlace
+from modallab.diagnosis.unknown.settings import UNKNOWN
+from modallab.rig.effect import Effect
+
+OF_ROTATIONS = {"N/m": "N m/rad", "kg": "kg m^2", "N s/m": "N m s/rad"}
+"""Units of models between rotations and moments, by those between translations and forces."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Solution:
+    """An unknown cause at one place, solved for at all lines."""
+
+    place: UnknownPlace
+    predictor: SingleTestPredictor
+    """At the position of the nuisance parameters that fits best beside it."""
+    accepted: tuple[Effect, ...]
+    """Effects that act beside it, as fitted beside it."""
+    influences: Influences
+    lines: LineByLine
+    found: LineFit
+    gap: float
+    """Sum of squares over the degrees of freedom."""
+
+
+def unknown_effect(predictor: Predictor, path: SearchPath) -> Unknown | None:
+    """Return the effect of no catalogue that closes most of a gap of the FRFs; None if none does.
+
+    With one drive every line tells one internal force, and where two responses differ by it, the DoF at
+    which it acts. It is solved for alone and beside the effects found; alone where that leaves no more.
+
+    Parameters
+    ----------
+    path
+        The effects found, which leave a gap.
+    """
+    observed = predictor.observed
+    if len(predictor.tests) > 1 or observed.n_simultaneous > 1 or observed.fitted.sum(axis=1).max() < 2:
+        return None
+    bases: list[tuple[tuple[Effect, ...], Fit]] = [((), path.start)]
+    if path.steps:
+        bases.append((path.fit.effects, path.fit))
+    solved = [_solved(predictor.tests[0], effects, start) for effects, start in bases]
+    best, rivals = min(solved, key=lambda each: each[0].gap + UNKNOWN.cost_of_steps * len(each[0].accepted))
+    result = _result(best, rivals, path.fit if best.accepted else path.start)
+    left = path.fit.residual.gaps(observed.fitted)["frf"]
+    return result if result.gap_after - 1 < UNKNOWN.closed_share * (left - 1) else None
+
+
+def _solved(
+    predictor: SingleTestPredictor, accepted: tuple[Effect, ...], start: Fit
+) -> tuple[_Solution, tuple[UnknownPlace, ...]]:
+    """Return the best solution beside some effects, and the places that cannot be distinguished from it."""
+    near, costs, positions = predictor, dict[UnknownPlace, float](), dict[UnknownPlace, FloatArray]()
+    # A missing effect distorts the fitted nuisance parameters: the declared ones may be nearer.
+    for start_position in (start.starting_position, 0.0 * start.starting_position):
+        near = predictor.with_nuisances_at(start_position)
+        lines = LineByLine(near.coarse_prediction(accepted))
+        influences = Influences(near, accepted, near.coarse_lines)
+        for place in influences.places:
+            found = lines.fit(influences.of(place))
+            if found.chi_square < costs.get(place, np.inf):
+                n = len(found.step) - len(start_position)
+                costs[place], positions[place] = found.chi_square, start_position + found.step[n:]
+    ranked = sorted(costs, key=lambda place: costs[place])
+    solutions = [
+        _refined(predictor.with_nuisances_at(positions[place]), accepted, place)
+        for place in ranked[: UNKNOWN.refined_places]
+    ]
+    best = min(solutions, key=lambda each: each.found.chi_square)
+    length = near.observed.correlation_length * max(1.0, best.gap)
+    alike = [
+        s.place for s in solutions if s.found.chi_square - best.found.chi_square < UNKNOWN.alike * length
+    ]
+    thinned = len(near.coarse_lines) / len(near.lines)
+    least = costs[best.place] + UNKNOWN.alike * length * thinned
+    alike += [place for place in ranked[UNKNOWN.refined_places :] if costs[place] < least]
+    return best, tuple(place for place in alike if place != best.place)[: UNKNOWN.max_alike]
+
+
+def _refined(predictor: SingleTestPredictor, accepted: tuple[Effect, ...], place: UnknownPlace) -> _Solution:
+    """Return the solution for a cause at a place, at all lines, the nuisance parameters linearised anew."""
+    for _ in range(UNKNOWN.refinements):
+        prediction = CoarsePrediction(
+            predictor, accepted, predictor.observed, predictor.linearisation_at(accepted)
+        )
+        lines, influences = LineByLine(prediction), Influences(predictor, accepted, predictor.lines)
+        found = lines.fit(influences.of(place))
+        gap = found.misfit / max(lines.n_freedom, 1)
+        solution = _Solution(place, predictor, accepted, influences, lines, found, gap)
+        if not np.abs(found.step).max(initial=0.0) > UNKNOWN.linear_step:
+            break
+        parameters = ParameterVector(accepted)
+        n = len(parameters)
+        accepted = tuple(parameters.with_values(parameters.start + found.step[:n]))
+        predictor = predictor.with_nuisances_at(predictor.position + found.step[n:])
+    return solution
+
+
+def _result(solution: _Solution, rivals: Sequence[UnknownPlace], start: Fit) -> Unknown:
+    place, observed = solution.place, solution.predictor.observed
+    smooth = _smooth(solution)
+    whole = 0.0 if isinstance(place.at, Dof) else 1.0
+    model = _curve_model(solution, smooth)
+    own = solution.influences.of(place)
+    causes = [(own, smooth.at(observed.freq))] + ([] if model is None else [(model.influence, model.fit.z)])
+    gap_after, held_out_gap_after = min(_gaps(solution, *cause) for cause in causes)
+    held_out = observed.held_out_mask
+    rotation = isinstance(place.at, Dof) and not place.at.translational
+    return Unknown(
+        cause=place.cause,
+        at=place.at,
+        curve=tuple(
+            CurvePoint(float(f), float(value.real), float(value.imag), float(error))
+            for f, value, error in zip(
+                smooth.sites, smooth.at(smooth.sites) + whole, smooth.error, strict=True
+            )
+        ),
+        unit="1" if whole else OF_ROTATIONS["N/m"] if rotation else "N/m",
+        curve_model=None if model is None else model.fit.model.name,
+        source=None if model is None else model.source,
+        parameters={} if model is None else _parameters(model, rotation=rotation),
+        gap_before=start.residual.gaps(observed.fitted)["frf"],
+        gap_after=gap_after,
+        held_out_gap_before=start.residual.gaps(held_out)["frf"] if held_out.any() else np.nan,
+        held_out_gap_after=held_out_gap_after,
+        beside_steps=bool(solution.accepted),
+        rivals_alike=tuple(UnknownRival(rival.cause, rival.at) for rival in rivals),
+    )
+
+
+def _smooth(solution: _Solution) -> SmoothCurve:
+    """Return the smooth curve through the values at the lines that tell them."""
+    found, freq = solution.found, solution.predictor.observed.freq
+    told = np.isfinite(found.error) & (freq > 0)
+    return SmoothCurve.through(freq[told], found.z[told], found.error[told])
+
+
+def _curve_model(solution: _Solution, smooth: SmoothCurve) -> ChosenModel | None:
+    """Return the model of a solution; None if it follows none that is known."""
+    lines, freq = solution.lines, solution.predictor.observed.freq
+    influence = solution.influences.of(solution.place)
+    left = lines.best_square(influence, smooth.at(freq))
+    return choose_curve_model(
+        lines, solution.influences, solution.place, freq, (smooth, left), max(1.0, solution.gap)
+    )
+
+
+def _parameters(model: ChosenModel, *, rotation: bool) -> dict[str, FittedParameter]:
+    """Return the parameters of a model in the units of a rotation where it acts on one."""
+    if not rotation:
+        return dict(model.fit.parameters)
+    return {
+        name: replace(p, unit=OF_ROTATIONS.get(p.unit, p.unit)) for name, p in model.fit.parameters.items()
+    }
+
+
+def _gaps(solution: _Solution, influence: Influence, z: ComplexArray) -> tuple[float, float]:
+    """Return the gap of the fitted and of the held-out FRFs with a cause z (n_freq,)."""
+    predictor, observed = solution.predictor, solution.predictor.observed
+    predicted = predictor.predict(solution.accepted)
+    left = residual(observed, replace(predicted, h=predicted.h * influence.ratio(z)))
+    held_out = observed.held_out_mask
+    return left.gaps(observed.fitted)["frf"], left.gaps(held_out)["frf"] if held_out.any() else np.nan
