@@ -27,6 +27,8 @@ class AcquisitionRun:
     """1, share of the test before this run: 0 for the first, 1 for the last."""
     displaced_accelerometers: tuple[tuple[int, Point], ...] = ()
     """Declared node and true point of each accelerometer that is not where it should be."""
+    accelerometer_mass: float = 0.0
+    """kg, declared mass of each accelerometer."""
 
     @property
     def accelerometer_points(self) -> list[Point]:
@@ -158,4 +160,5 @@ class RigSetup:
         drives = [(drive,) for drive in self.drives] if self.exciter.kind == "hammer" else [self.drives]
         runs = [(d, o) for d in drives for o in outputs]
         last = max(len(runs) - 1, 1)
-        return tuple(AcquisitionRun(d, o, i / last) for i, (d, o) in enumerate(runs))
+        mass = self.accelerometers.mass
+        return tuple(AcquisitionRun(d, o, i / last, accelerometer_mass=mass) for i, (d, o) in enumerate(runs))

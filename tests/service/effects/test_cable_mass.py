@@ -13,6 +13,7 @@ from modallab.rig.hardware import Accelerometers
 from tests.rigs import beam_system, dofs, rig
 
 NODES = (1, 4, 11)
+LENGTH = 1.5  # m, of the beam
 SYSTEM = beam_system()
 FREQ = np.linspace(10.0, 700.0, 60)
 ROVING = rig(*NODES, accelerometers=Accelerometers(roving=True))
@@ -56,3 +57,21 @@ def test_a_cable_of_the_log_book_hangs_on_the_accelerometers() -> None:
     declared = rig(1, 7, accelerometers=Accelerometers(cable_mass=0.003))
     assert list(CableMass.from_setup(declared)) == [CableMass(mass=0.003)]
     assert CableMass().drag * 0.003 == pytest.approx(0.06)  # N s/m, within what cables have
+
+
+def test_a_cable_that_hangs_from_the_corner_grows_with_the_distance_from_it() -> None:
+    # a beam of 20 elements: its nodes lie along X from its left end
+    positions = {node: (node - 1) / 20 * LENGTH for node in NODES}
+    growth = 2.5
+    for run, node in zip(ROVING.acquisition_runs, NODES, strict=True):
+        (attachment,) = CableMass(mass=0.008, growth=growth).on_system(SYSTEM, run).attachments
+        assert attachment.mass is not None
+        expected = 0.008 * (1 + growth * positions[node])
+        np.testing.assert_allclose(np.diag(attachment.mass), expected, rtol=1e-12)  # rounding
+
+
+def test_its_reduced_model_is_a_heavier_accelerometer() -> None:
+    assert CableMass(mass=0.008, growth=1.0).reduced_model() == (
+        AccelerometerMass(mass=0.008),
+        ("drag", "growth"),
+    )

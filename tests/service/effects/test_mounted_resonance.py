@@ -14,25 +14,25 @@ SETUP = rig(1, 7, 16)
 
 
 @pytest.mark.parametrize("loss", [0.01, 0.3])
-def test_it_reads_what_a_seismic_mass_on_the_beam_strains_its_spring(loss: float) -> None:
-    """The finer model: a mass on spring and dashpot at 7:+Y, solved with the beam line by line. Its spring
-    is strained by -a/w_0^2 at low frequencies, which is how the sensor is calibrated."""
-    natural, seismic = 2 * np.pi * 600.0, 1e-7  # rad/s; kg, too light to load the beam
+@pytest.mark.parametrize("mass", [0.0, 0.05])
+def test_it_reads_and_loads_as_a_mass_on_its_spring(loss: float, mass: float) -> None:
+    """The finer model: a mass on spring and dashpot at 7:+Y, solved with the beam line by line."""
+    natural, on_spring = 2 * np.pi * 600.0, mass or 1e-7  # rad/s; kg, too light to load the beam
     freq = np.linspace(10.0, 800.0, 80)
     w = 2 * np.pi * freq[:, None, None]
     system = beam_system()
     assert system.damping is not None
-    mass, stiffness, damping = (
-        np.pad(part.toarray(), (0, 1)) for part in (system.mass, system.stiffness, system.damping)
-    )
+    matrices = (np.pad(part.toarray(), (0, 1)) for part in (system.mass, system.stiffness, system.damping))
+    inertia, stiffness, damping = matrices
     strain = np.append(-system.selection(dofs(7)), 1.0)
-    held = seismic * np.outer(strain, strain)
-    mass[-1, -1] = seismic
-    z = stiffness + 1j * damping - w**2 * mass + (natural**2 + 1j * w * loss * natural) * held
+    held = on_spring * np.outer(strain, strain)
+    inertia[-1, -1] = on_spring
+    z = stiffness + 1j * damping - w**2 * inertia + (natural**2 + 1j * w * loss * natural) * held
     force = np.append(system.selection(dofs(1)), 0.0)
-    wanted = -(natural**2) * np.linalg.solve(z, force[None, :, None])[..., 0] @ strain
+    wanted = -(w[:, 0, 0] ** 2) * np.linalg.solve(z, force[None, :, None])[:, -1, 0]
     effect = MountedResonance(at=Channels(dofs(7)), frequency=600.0, loss=loss)
-    found = chain(system, SETUP, [effect]).respond(freq).inertance[0, :, 1, 0]
+    setup = rig(1, 7, accelerometers=Accelerometers(mass=mass, roving=True))
+    found = chain(system, setup, [effect]).respond(freq).inertance[1, :, 0, 0]
     # 1e-7 kg on a beam of 5.85 kg, times 100 where it rings and 100 where the beam does
     np.testing.assert_allclose(found, wanted, rtol=1e-4, atol=1e-5 * np.abs(wanted).max())
 

@@ -23,12 +23,12 @@ def test_it_is_where_the_reading_first_is_that_much_too_high(loss: float, deviat
     assert np.isclose(useful_frequency(1.0, deviation, loss), brentq(over, 0.0, 0.6), rtol=1e-9)  # brentq
 
 
-@pytest.mark.parametrize("loss", [1.38, 2.0])
+@pytest.mark.parametrize("loss", [2.0, 3.0])
 def test_damped_so_much_that_it_only_falls_it_ends_where_the_reading_is_too_low(loss: float) -> None:
     def under(ratio: float) -> float:
-        return float(np.abs(reading(np.array([ratio]), loss))[0] - 0.9)
+        return float(np.abs(reading(np.array([ratio]), loss))[0] - 0.6)
 
-    assert np.isclose(useful_frequency(1.0, 0.1, loss), brentq(under, 0.01, 2.0), rtol=1e-9)  # brentq
+    assert np.isclose(useful_frequency(1.0, 0.4, loss), brentq(under, 0.5, 20.0), rtol=1e-9)  # brentq
 
 
 def test_firmer_mountings_reach_further() -> None:

@@ -23,8 +23,8 @@ def test_lines_run_from_zero_hertz_to_the_top() -> None:
 def test_a_roving_accelerometer_takes_a_run_for_every_response() -> None:
     roving = rig(1, 7, accelerometers=Accelerometers(0.02, roving=True))
     assert roving.acquisition_runs == (
-        AcquisitionRun(dofs(1), dofs(1), 0.0),
-        AcquisitionRun(dofs(1), dofs(7), 1.0),
+        AcquisitionRun(dofs(1), dofs(1), 0.0, accelerometer_mass=0.02),
+        AcquisitionRun(dofs(1), dofs(7), 1.0, accelerometer_mass=0.02),
     )
     assert rig(1, 7).acquisition_runs == (AcquisitionRun(dofs(1), dofs(1, 7)),)
 
