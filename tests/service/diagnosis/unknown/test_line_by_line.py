@@ -12,7 +12,7 @@ def influence() -> Influence:
 
 
 def test_derivatives_of_a_ratio_are_its_differences() -> None:
-    z, step = np.linspace(0.5, 2.0, 5) * (1 + 0.5j), 1e-6
+    z, step = np.asarray(np.linspace(0.5, 2.0, 5) * (1 + 0.5j), np.complex128), 1e-6
     by_difference = (influence().ratio(z + step) - influence().ratio(z - step)) / (2 * step)
     np.testing.assert_allclose(influence().derivative(z), by_difference, rtol=1e-8)  # O(step^2) = 1e-12
     np.testing.assert_allclose(
