@@ -94,4 +94,5 @@ class ModalFit:
 
     @property
     def _errors(self) -> FloatArray:
-        return np.asarray(np.sqrt(np.maximum(np.diag(self.eigenvalue_covariance), 0.0)))
+        # A negative variance is rounding of its size, where poles nearly depend on each other.
+        return np.asarray(np.sqrt(np.abs(np.diag(self.eigenvalue_covariance))))

@@ -17,6 +17,11 @@ class ModalFitSettings(Settings):
     usual_iterations: int = setting(
         6, doc="Steps after which half of the progress is reported.", tuned="starts from a pole finder"
     )
+    most_rounding: float = setting(
+        0.1,
+        doc="Eigenvalue of a unit normal matrix above which its parameters are determined.",
+        derived="of independent parameters it is near 1",
+    )
     convergence: float = setting(
         0.001,
         unit="standard errors",

@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modallab.core.arrays import FloatArray
+from modallab.core.arrays import BoolArray, FloatArray
 from modallab.core.numerics import SUM_ROUNDING
 from modallab.extraction.multi_mode.common_noise import common_noise, common_noise_covariance
+from modallab.extraction.multi_mode.fit_settings import MODAL_FIT
 from modallab.extraction.multi_mode.gradient_noise import GradientNoise
 from modallab.extraction.multi_mode.pole_basis import PoleBasis
 from modallab.extraction.multi_mode.variable_projection import (
@@ -64,7 +65,8 @@ def uncertainty(
     """
     c = parameter_weights(basis, linear)
     normal = c @ linear.projected @ c.swapaxes(1, 2)
-    inverse = inverse_of_normal(normal.sum(axis=0))
+    determined = determined_parameters(normal.sum(axis=0))
+    inverse = _inverse(normal.sum(axis=0), determined)
     influence = np.concatenate([-linear.mixed @ c.swapaxes(1, 2), c.swapaxes(1, 2)], axis=1)
     noise = (
         GradientNoise.of_independent_lines(normal, linear)
@@ -74,14 +76,14 @@ def uncertainty(
     misfit = _misfit(lines, linear, noise, inverse)
     misfit_factor = np.maximum(misfit, 1.0)
     # E|error|^2 is shared by two parts: half of it each
-    covariance = propagated_covariance(0.5 * np.einsum("j,jpq->pq", misfit_factor, noise.gradient), inverse)
+    covariance = inverse @ (0.5 * np.einsum("j,jpq->pq", misfit_factor, noise.gradient)) @ inverse
     common = common_noise(lines, basis, parameters, linear)
     if common is not None:
         by_common = common_noise_covariance(
             lines, basis, parameters, linear, influence, misfit_factor, common
         )
-        covariance = covariance + propagated_covariance(by_common, inverse)
-    covariance = with_undetermined_variances(covariance, np.diag(normal.sum(axis=0)), parameters)
+        covariance = covariance + inverse @ by_common @ inverse
+    covariance = with_undetermined_variances(covariance, determined, parameters)
     n_modes = len(parameters)
     by_mode = (-1, n_modes, 2, parameters.size)
     sensitivity = influence[:, : 2 * n_modes].reshape(by_mode)
@@ -95,21 +97,49 @@ def uncertainty(
     )
 
 
-def unit_diagonal(normal: FloatArray) -> tuple[FloatArray, FloatArray]:
+def determined_parameters(normal: FloatArray) -> BoolArray:
+    """Return which parameters have information above its rounding, (n,).
+
+    The normal matrix is a difference of products. Where it has a negative eigenvalue on the scale of a unit
+    diagonal, its smallest entries are rounding of that size.
+
+    Parameters
+    ----------
+    normal
+        (n, n), symmetric.
+    """
+    determined = np.diag(normal) > 0
+    rounding = 0.0
+    while determined.any():
+        rows = np.flatnonzero(determined)
+        values, vectors = np.linalg.eigh(unit_diagonal(normal[np.ix_(rows, rows)])[0])
+        rounding = max(rounding, min(-float(values[0]), MODAL_FIT.most_rounding))
+        if values[0] > rounding - SUM_ROUNDING * len(rows):
+            break
+        determined[rows[np.abs(vectors[:, 0]).argmax()]] = False
+    return determined
+
+
+def unit_diagonal(normal: FloatArray, determined: BoolArray | None = None) -> tuple[FloatArray, FloatArray]:
     """Return a normal matrix scaled to a unit diagonal, and the lengths that its rows were divided by.
 
-    Rounding may leave a diagonal entry without a positive value if a parameter depends linearly on others.
-    Such a parameter is decoupled, with a unit diagonal entry.
+    An undetermined parameter is decoupled, with a unit diagonal entry.
+
+    Parameters
+    ----------
+    determined
+        (n,); None: the parameters of a positive diagonal entry, as rounding may leave none if a parameter
+        depends linearly on others.
     """
     size = np.diag(normal)
-    determined = size > 0
+    determined = size > 0 if determined is None else determined
     length = np.sqrt(np.where(determined, size, 1.0))
     normalised = np.where(np.outer(determined, determined), normal, 0.0) / np.outer(length, length)
     return np.asarray(normalised + np.diag(np.where(determined, 0.0, 1.0))), length
 
 
 def with_undetermined_variances(
-    covariance: FloatArray, information: FloatArray, parameters: FloatArray
+    covariance: FloatArray, determined: BoolArray, parameters: FloatArray
 ) -> FloatArray:
     """Return the covariance with a standard deviation of 100 % for parameters that no line determines.
 
@@ -117,37 +147,21 @@ def with_undetermined_variances(
     ----------
     covariance
         (n, n) of all parameters of all modes.
-    information
-        (n,) diagonal of the normal matrix; rounding alone where it is not positive.
+    determined
+        (n,).
     parameters
         (n_modes, n / n_modes), the first of each mode its squared frequency, the scale of the others.
     """
-    undetermined = ~(information > 0)
-    if not undetermined.any():
+    if determined.all():
         return covariance
     scale = np.repeat(np.abs(parameters[:, 0]), parameters.shape[1])
-    known = np.where(undetermined[:, None] | undetermined, 0.0, covariance)
-    return np.asarray(known + np.diag(np.where(undetermined, scale**2, 0.0)))
+    known = np.where(np.outer(determined, determined), covariance, 0.0)
+    return np.asarray(known + np.diag(np.where(determined, 0.0, scale**2)))
 
 
-def inverse_of_normal(normal: FloatArray) -> FloatArray:
-    """Return the inverse of a normal matrix, large and positive where rounding leaves no information."""
-    even, length = unit_diagonal(normal)
-    values, vectors = np.linalg.eigh(even)
-    inverse = (vectors / (np.maximum(values, 0.0) + SUM_ROUNDING)) @ vectors.T
-    return np.asarray(inverse / np.outer(length, length))
-
-
-def propagated_covariance(gradient: FloatArray, inverse: FloatArray) -> FloatArray:
-    """Return the covariance of parameters from that of the gradient, with no negative variance by rounding.
-
-    Where poles nearly depend on each other, the inverse multiplies the rounding of the gradient's covariance
-    by far more than the variances of the other poles.
-    """
-    even, length = unit_diagonal(gradient)
-    values, vectors = np.linalg.eigh(even)
-    root = inverse @ (length[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))
-    return np.asarray(root @ root.T)
+def _inverse(normal: FloatArray, determined: BoolArray) -> FloatArray:
+    even, length = unit_diagonal(normal, determined)
+    return np.asarray(np.linalg.inv(even + SUM_ROUNDING * np.eye(len(length))) / np.outer(length, length))
 
 
 def _misfit(

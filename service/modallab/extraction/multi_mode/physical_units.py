@@ -95,7 +95,9 @@ def _constants(
         values.reshape(n_modes, -1)
         for values in (parts[..., 0] + 1j * parts[..., 1], conditional, propagated)
     )
-    return constant, np.maximum(conditional, 0.0), np.maximum(propagated, -conditional)
+    # A negative variance is rounding of its size, where poles nearly depend on each other.
+    conditional = np.maximum(conditional, 0.0)
+    return constant, conditional, np.where(propagated < -conditional, -propagated, propagated)
 
 
 def _significance(
