@@ -29,6 +29,7 @@ SMALL = {
     "leaked_errors": ["1", "dobson"],
     "pair_errors": ["1"],
     "strange_files": ["--every", "20"],
+    "unknown_effects": ["--kind", "fractional", "--count", "1", "--few"],
     "viscous_modes": ["1"],
     "windowed_errors": ["1", "dobson"],
 }

@@ -455,6 +455,7 @@ CurveModelName = Literal[
     "spring_and_damper",
     "power",
     "oscillator",
+    "two_oscillators",
     "delayed_displacement_feedback",
     "delayed_velocity_feedback",
     "delayed_acceleration_feedback",

@@ -241,6 +241,7 @@ class CurveModelName(StrEnum):
     SPRING_AND_DAMPER = "spring_and_damper"  # in parallel
     POWER = "power"  # of i omega, as of a fractional derivative
     OSCILLATOR = "oscillator"  # mass on a spring with a loss factor
+    TWO_OSCILLATORS = "two_oscillators"  # side by side on one point
     DELAYED_DISPLACEMENT_FEEDBACK = "delayed_displacement_feedback"
     DELAYED_VELOCITY_FEEDBACK = "delayed_velocity_feedback"
     DELAYED_ACCELERATION_FEEDBACK = "delayed_acceleration_feedback"

@@ -108,4 +108,6 @@ def _estimates(
         z, error = found.z[told] + offset, found.error[told]
         error = np.hypot(error, UNKNOWN.model_error * np.abs(z))
         for model in models:
-            yield estimate(model, 2 * np.pi * freq[told], z, error), influence, source
+            nearest = estimate(model, 2 * np.pi * freq[told], z, error)
+            if nearest is not None:
+                yield nearest, influence, source

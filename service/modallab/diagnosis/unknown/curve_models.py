@@ -13,6 +13,8 @@ from modallab.diagnosis.unknown.settings import UNKNOWN
 
 ModelFunction = Callable[[FloatArray, FloatArray], ComplexArray]
 """Values (n_freq,) of a model at the shape parameters and omega (n_freq,) rad/s, for an amount of 1."""
+StartFunction = Callable[[FloatArray, ComplexArray, FloatArray], Sequence[Sequence[float]]]
+"""Starts of the shape parameters, all above zero, from omega, a curve and its standard error (n_freq,)."""
 
 
 @dataclass(frozen=True)
@@ -29,8 +31,8 @@ class CurveModel:
     """The model for an amount of 1."""
     shape_units: Mapping[str, str]
     """Unit of each shape parameter by name."""
-    starts: Callable[[FloatArray], Sequence[Sequence[float]]]
-    """Starts of the shape parameters, all above zero, at omega (n_freq,)."""
+    starts: StartFunction
+    """Starts of the shape parameters."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +66,7 @@ def _damper(_: FloatArray, omega: FloatArray) -> ComplexArray:
     return np.asarray(1j * omega, complex)
 
 
-def _no_shape(_omega: FloatArray) -> list[list[float]]:
+def _no_shape(_omega: FloatArray, _curve: ComplexArray, _error: FloatArray) -> list[list[float]]:
     return [[]]
 
 
@@ -77,11 +79,56 @@ def _oscillator(p: FloatArray, omega: FloatArray) -> ComplexArray:
     return np.asarray(-(omega**2) * own / (own - omega**2))
 
 
-def _oscillator_starts(omega: FloatArray) -> list[list[float]]:
+def _oscillator_starts(omega: FloatArray, _curve: ComplexArray, _error: FloatArray) -> list[list[float]]:
     return [[f, eta] for f in _over_band(omega) / (2 * np.pi) for eta in UNKNOWN.starting_loss_factors]
 
 
-def _delay_starts(omega: FloatArray) -> list[list[float]]:
+def _two_oscillators(p: FloatArray, omega: FloatArray) -> ComplexArray:
+    return np.asarray(_oscillator(p[:2], omega) + p[4] * _oscillator(p[2:4], omega))
+
+
+def _two_oscillator_starts(omega: FloatArray, curve: ComplexArray, error: FloatArray) -> list[list[float]]:
+    """Return the oscillators of the rational function of omega^2 that is nearest to a curve."""
+    poles, residues = two_poles(omega**2, curve / -(omega**2), error / omega**2)
+    masses = residues.real / np.where(poles.real > 0, poles.real, np.inf)
+    if not masses.prod() > 0:
+        return []
+    first, second = np.argsort(poles.real)
+    found: list[float] = []
+    for pole in poles[[first, second]]:
+        loss_factor = max(pole.imag / pole.real, UNKNOWN.starting_loss_factors[0])
+        found += [float(np.sqrt(pole.real)) / (2 * np.pi), float(loss_factor)]
+    return [[*found, float(masses[second] / masses[first])]]
+
+
+def two_poles(x: FloatArray, y: ComplexArray, error: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+    """Return the poles and residues (2,) of y = sum residue_i/(pole_i - x).
+
+    Reference: Sanathanan and Koerner, IEEE Trans. Automatic Control 8 (1963) 56-58.
+
+    Parameters
+    ----------
+    x
+        (n,).
+    error
+        (n,) standard error of y.
+    """
+    scale = float(x.max())
+    x = x / scale
+    denominator = np.ones(len(x), complex)
+    for _ in range(UNKNOWN.denominator_steps):
+        columns = np.stack([np.ones(len(x)), x, -y, -y * x], axis=1)
+        weight = 1 / (error * np.abs(denominator))
+        a0, a1, b0, b1 = np.linalg.lstsq(columns * weight[:, None], y * x**2 * weight, rcond=None)[0]
+        denominator = b0 + b1 * x + x**2
+    poles: ComplexArray = np.asarray(np.roots([1, b1, b0]), np.complex128)
+    other = poles[::-1]
+    difference = np.where(poles == other, np.inf, poles - other)
+    residues: ComplexArray = np.asarray(-(a0 + a1 * poles) / difference * scale, np.complex128)
+    return poles * scale, residues
+
+
+def _delay_starts(omega: FloatArray, _curve: ComplexArray, _error: FloatArray) -> list[list[float]]:
     phases = np.linspace(UNKNOWN.shortest_delay, UNKNOWN.longest_delay, UNKNOWN.starts)
     return [[phase / omega[-1]] for phase in phases]
 
@@ -96,7 +143,7 @@ STIFFNESS_MODELS = (
         "N/m",
         lambda p, w: np.full(len(w), 1 + 1j * p[0]),
         {"loss_factor": "1"},
-        lambda _: [[eta] for eta in UNKNOWN.starting_loss_factors],
+        lambda *_: [[eta] for eta in UNKNOWN.starting_loss_factors],
     ),
     CurveModel(
         CurveModelName.SPRING_AND_DAMPER,
@@ -104,7 +151,7 @@ STIFFNESS_MODELS = (
         "N/m",
         lambda p, w: 1 + 1j * w * p[0],
         {"time_constant": "s"},
-        lambda w: [[1 / each] for each in _over_band(w)],
+        lambda w, *_: [[1 / each] for each in _over_band(w)],
     ),
     CurveModel(
         CurveModelName.POWER,
@@ -112,7 +159,7 @@ STIFFNESS_MODELS = (
         "N/m",
         lambda p, w: (1j * w) ** p[0],
         {"exponent": "1"},
-        lambda _: [[a] for a in (0.1, 0.5, 0.9, 1.5)],
+        lambda *_: [[a] for a in (0.1, 0.5, 0.9, 1.5)],
     ),
     CurveModel(
         CurveModelName.OSCILLATOR,
@@ -121,6 +168,20 @@ STIFFNESS_MODELS = (
         _oscillator,
         {"frequency": "Hz", "loss_factor": "1"},
         _oscillator_starts,
+    ),
+    CurveModel(
+        CurveModelName.TWO_OSCILLATORS,
+        "mass",
+        "kg",
+        _two_oscillators,
+        {
+            "frequency": "Hz",
+            "loss_factor": "1",
+            "second_frequency": "Hz",
+            "second_loss_factor": "1",
+            "mass_ratio": "1",
+        },
+        _two_oscillator_starts,
     ),
 )
 """Models of a dynamic stiffness between a motion and the ground."""
@@ -146,7 +207,7 @@ GAIN_MODELS = (
         "1",
         lambda p, w: 1j * w / (1j * w + 2 * np.pi * p[0]),
         {"corner": "Hz"},
-        lambda w: [[f] for f in _over_band(w) / (2 * np.pi)],
+        lambda w, *_: [[f] for f in _over_band(w) / (2 * np.pi)],
     ),
     CurveModel(
         CurveModelName.FIRST_ORDER_LOW_PASS,
@@ -154,7 +215,7 @@ GAIN_MODELS = (
         "1",
         lambda p, w: 1 / (1 + 1j * w / (2 * np.pi * p[0])),
         {"corner": "Hz"},
-        lambda w: [[f] for f in _over_band(w) / (2 * np.pi)],
+        lambda w, *_: [[f] for f in _over_band(w) / (2 * np.pi)],
     ),
     CurveModel(
         CurveModelName.DELAY, "gain", "1", lambda p, w: np.exp(-1j * w * p[0]), {"delay": "s"}, _delay_starts
@@ -163,8 +224,10 @@ GAIN_MODELS = (
 """Models of a channel's whole gain, true over declared."""
 
 
-def estimate(model: CurveModel, omega: FloatArray, curve: ComplexArray, error: FloatArray) -> ModelEstimate:
-    """Return the model that is nearest to a curve.
+def estimate(
+    model: CurveModel, omega: FloatArray, curve: ComplexArray, error: FloatArray
+) -> ModelEstimate | None:
+    """Return the model that is nearest to a curve; None if it is near to none.
 
     Weighted least squares, the amount eliminated (variable projection); from the best of all starts.
 
@@ -188,7 +251,9 @@ def estimate(model: CurveModel, omega: FloatArray, curve: ComplexArray, error: F
         difference = (curve - amount(p) * model.shape(p, omega)) / error
         return np.concatenate([difference.real, difference.imag])
 
-    starts = [np.log(np.array(start, float)) for start in model.starts(omega)]
+    starts = [np.log(np.array(start, float)) for start in model.starts(omega, curve, error)]
+    if not starts:
+        return None
     costs = [float(misfit(start) @ misfit(start)) for start in starts]
     best = starts[int(np.argmin(costs))]
     if len(best):

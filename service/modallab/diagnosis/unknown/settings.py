@@ -33,6 +33,11 @@ class UnknownSettings(Settings):
     starting_loss_factors: tuple[float, ...] = setting(
         (0.01, 0.1, 0.5), doc="starts of a loss factor", derived="light, ordinary and heavy damping"
     )
+    denominator_steps: int = setting(
+        10,
+        doc="fits of two poles, each weighted by the denominator of the one before",
+        derived="it converges",
+    )
     longest_delay: float = setting(
         12.0, unit="rad", doc="phase of the longest delay tried at the highest line", derived="two turns"
     )

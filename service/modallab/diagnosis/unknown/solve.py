@@ -66,6 +66,18 @@ def unknown_effect(predictor: Predictor, path: SearchPath) -> Unknown | None:
     return result if result.gap_after - 1 < UNKNOWN.closed_share * (left - 1) else None
 
 
+def unknown_effect_at(predictor: SingleTestPredictor, start: Fit, place: UnknownPlace) -> Unknown:
+    """Return the effect of no catalogue that closes most of a gap from a given place.
+
+    Parameters
+    ----------
+    start
+        Fit of the effects that act beside it.
+    """
+    near = predictor.with_nuisances_at(start.nuisance_position)
+    return _result(_refined(near, start.effects, place), (), start)
+
+
 def _solved(
     predictor: SingleTestPredictor, accepted: tuple[Effect, ...], start: Fit
 ) -> tuple[_Solution, tuple[UnknownPlace, ...]]:
