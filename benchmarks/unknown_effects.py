@@ -14,11 +14,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 
 from benchmarks.bench import Bench, Row, parser
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.core.frf import FrfKind, FrfSet
+from modallab.core.numerics import SAFE_DIVISOR
 from modallab.core.place import Channels
 from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.fitting.fit import fit
@@ -46,6 +48,7 @@ HELD_OUT = (Dof(3, "Y"), Dof(11, "Y"), Dof(17, "Y"))
 FREQ = np.linspace(2.0, 800.0, 400)  # Hz
 BLOCK, AVERAGES, NOISE = 10, 40, 1e-4  # lines; averages; power of noise over mean power of a response
 SIZES = 0.001, 0.03  # of the effect's dynamic stiffness over that of the beam, median of the lines
+LARGEST_GAIN = 0.8  # of a feedback over that at which the structure is unstable
 SEED_OF_KIND = {"fractional": 1, "feedback": 2, "absorber": 3, "gain": 4}
 CURVE_MODELS = {
     "fractional": {CurveModelName.POWER},
@@ -122,6 +125,7 @@ def hidden(kind: str, rng: np.random.Generator, direct: FloatArray) -> Hidden:
     elif kind == "feedback":
         source = Dof(int(nodes[1]), "Y")
         curve = size * 1j * omega / middle * np.exp(-1j * omega * rng.uniform(0.2e-3, 3e-3))
+        curve = curve * min(1.0, LARGEST_GAIN * stable_gain(at, source, curve))
     elif kind == "absorber":
         own = (2 * np.pi * rng.uniform([100.0, 300.0], [250.0, 700.0])) ** 2 * (
             1 + 1j * rng.uniform(0.01, 0.05, 2)
@@ -134,6 +138,17 @@ def hidden(kind: str, rng: np.random.Generator, direct: FloatArray) -> Hidden:
         low_pass = 1 / (1 + 1j * FREQ / corner)
         curve = low_pass if corner > 200.0 else 1 - low_pass
     return Hidden(kind, at, source, np.asarray(curve))
+
+
+def stable_gain(at: Dof, source: Dof, curve: ComplexArray) -> float:
+    """Return the factor of a feedback's curve at which the damping of some mode vanishes, to first order."""
+    system = assemble(model())
+    squares, shapes = scipy.linalg.eigh(system.stiffness.toarray(), system.mass.toarray())
+    elastic = (squares > (2 * np.pi * FREQ[0]) ** 2) & (squares < (2 * np.pi * FREQ[-1]) ** 2)
+    products = (system.selection((at,)).T @ shapes * (system.selection((source,)).T @ shapes))[0, elastic]
+    force = np.interp(np.sqrt(squares[elastic]), 2 * np.pi * FREQ, curve.imag)
+    damping = force * products / (LOSS_FACTOR * squares[elastic])
+    return float(-1 / min(damping.min(), -SAFE_DIVISOR))
 
 
 def measured(effect: Hidden, alpha: ComplexArray, rng: np.random.Generator) -> Measurement:

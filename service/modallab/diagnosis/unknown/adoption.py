@@ -22,7 +22,7 @@ def adopted_effect(unknown: Unknown, freq: FloatArray) -> Effect:
     """
     lines = freq[freq > 0]
     lines = lines[:: -(-len(lines) // MAX_ROWS)]
-    values = _by_model(unknown, lines)
+    values = model_values(unknown, lines)
     if values is None:
         lines = np.array([point.frequency for point in unknown.curve])
         values = np.array([complex(point.real, point.imaginary) for point in unknown.curve])
@@ -31,7 +31,7 @@ def adopted_effect(unknown: Unknown, freq: FloatArray) -> Effect:
     return build(EffectSpec(kind, unknown.at, table=FrequencyTable.of(lines, values).rows))
 
 
-def _by_model(unknown: Unknown, freq: FloatArray) -> ComplexArray | None:
+def model_values(unknown: Unknown, freq: FloatArray) -> ComplexArray | None:
     """Return the values (n_freq,) by the parametric model; None without one of the own motion."""
     if unknown.curve_model is None or unknown.source not in (None, unknown.at):
         return None
