@@ -28,6 +28,7 @@ SMALL = {
     "hammer_modes": ["1", "--points", "20", "--lines", "1601"],
     "leaked_errors": ["1", "dobson"],
     "pair_errors": ["1"],
+    "resonant_effects": ["--kind", "mounted_resonance", "--count", "1"],
     "strange_files": ["--every", "20"],
     "unknown_effects": ["--kind", "fractional", "--count", "1", "--few"],
     "viscous_modes": ["1"],

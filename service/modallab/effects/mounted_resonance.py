@@ -1,6 +1,6 @@
 """Mounted resonance of accelerometers."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import NoneType
 from typing import ClassVar, Self
@@ -11,7 +11,7 @@ from modallab.core.dof import Dof
 from modallab.core.parameters import parameter
 from modallab.core.place import Channels, Place
 from modallab.correlation.evidence import Evidence
-from modallab.effects.settings import MOUNTING
+from modallab.effects.settings import MOUNTING, MOUNTING_SCAN
 from modallab.fe.attachment import Attachment
 from modallab.fe.system import DynamicSystem
 from modallab.rig.channel import Channel
@@ -43,7 +43,6 @@ class MountedResonance(Effect):
         upper=1e9,
         absent=1e9,  # 1e-6 of the reading at 1 MHz, 1e-12 at 1 kHz
         doc="mounted resonance",
-        scan_values=(1e3, 2e3, 4e3, 8e3, 16e3, 32e3),
     )
     loss: float = parameter(
         0.05, unit="1", lower=1e-3, upper=1.0, absent=None, doc="twice the damping ratio of the mounting"
@@ -74,6 +73,13 @@ class MountedResonance(Effect):
         if channel.force or not self.acts_on(channel.dof):
             return channel
         return channel.with_filter(lambda omega: reading(omega / (2 * np.pi * self.frequency), self.loss))
+
+    def scan_values(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
+        """Return frequencies in the band and above it."""
+        top = setup.analyser.freq[-1]
+        frequencies = top * np.append(MOUNTING_SCAN.frequencies, MOUNTING_SCAN.far)
+        bounds = self.specs()["frequency"]
+        return {"frequency": [float(f) for f in frequencies if bounds.lower <= f < bounds.upper]}
 
     @classmethod
     def from_setup(cls, setup: RigSetup) -> Sequence[Self]:

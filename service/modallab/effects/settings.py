@@ -2,6 +2,9 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from modallab.core.arrays import FloatArray
 from modallab.core.settings import Settings, setting
 
 
@@ -14,6 +17,73 @@ class OscillatorScan(Settings):
         unit="1",
         doc="step of trial frequencies over the top of the band",
         derived="oscillator of that frequency in every part of the band",
+    )
+
+
+@dataclass(frozen=True)
+class ResonanceScan(Settings):
+    """Scan of the frequency of a resonance in or above the band."""
+
+    lowest: float = setting(
+        0.03,
+        unit="1",
+        doc="lowest trial frequency over the top of the band",
+        derived="of a lower resonance little more is seen",
+    )
+    step: float = setting(
+        0.015,
+        unit="1",
+        doc="relative step of trial frequencies in the band",
+        derived="a half-power bandwidth of loss factor 0.015",
+    )
+    highest: float = setting(
+        4.0,
+        unit="1",
+        doc="highest trial frequency over the top of the band",
+        derived="a higher resonance changes the band by less than a sixteenth",
+    )
+    outer_step: float = setting(
+        0.1,
+        unit="1",
+        doc="relative step of trial frequencies above the band",
+        derived="there the response is smooth",
+    )
+
+    @property
+    def frequencies(self) -> FloatArray:
+        """(n,) trial frequencies over the top of the band."""
+        inner = np.arange(np.log(self.lowest), 0.0, self.step)
+        outer = np.arange(0.0, np.log(self.highest), self.outer_step)
+        return np.asarray(np.exp(np.concatenate([inner, outer])))
+
+
+@dataclass(frozen=True)
+class StingerScan(ResonanceScan):
+    """Scan of the axial stiffness of a stinger, by the resonance of the armature on it."""
+
+    stiffnesses: tuple[float, ...] = setting(
+        (3e4, 1e5, 3e5, 1e6, 3e6, 1e7, 1e8),
+        unit="N/m",
+        doc="trial stiffnesses without an armature's mass",
+        derived="from a thin wire to a short rod",
+    )
+
+
+@dataclass(frozen=True)
+class MountingScan(ResonanceScan):
+    """Scan of the mounted resonance of accelerometers."""
+
+    step: float = setting(
+        0.04,
+        unit="1",
+        doc="relative step of trial frequencies in the band",
+        derived="a half-power bandwidth of loss factor 0.04",
+    )
+    far: tuple[float, ...] = setting(
+        (8.0, 16.0, 32.0),
+        unit="1",
+        doc="further trial frequencies over the top of the band",
+        derived="readings 1.6, 0.4 and 0.1 % too high at its top",
     )
 
 
@@ -149,6 +219,8 @@ class SuspensionPlaces(Settings):
 
 
 OSCILLATOR_SCAN = OscillatorScan()
+STINGER_SCAN = StingerScan()
+MOUNTING_SCAN = MountingScan()
 CABLE_SCAN = CableScan()
 MOUNTING = MountingSettings()
 JOINT_SCAN = JointScan()

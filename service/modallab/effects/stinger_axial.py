@@ -1,16 +1,20 @@
 """Axial flexibility of the stinger."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import NoneType
 from typing import ClassVar, Self
 
+import numpy as np
+
 from modallab.core.dof import Dof
 from modallab.core.parameters import parameter
 from modallab.correlation.evidence import Evidence
+from modallab.effects.settings import STINGER_SCAN
+from modallab.fe.system import DynamicSystem
 from modallab.rig.drive import Drive
 from modallab.rig.effect import EFFECTS, Effect, Stage
-from modallab.rig.settings import STINGER
+from modallab.rig.settings import DRIVE, STINGER
 from modallab.rig.setup import RigSetup
 
 
@@ -35,14 +39,28 @@ class StingerAxial(Effect):
         lower=STINGER.min_stiffness,
         upper=STINGER.max_stiffness,
         absent=STINGER.max_stiffness,
-        scan_values=(3e4, 1e5, 3e5, 1e6, 3e6, 1e7, 1e8),
         doc="along the stinger's axis",
+    )
+    loss_factor: float = parameter(
+        DRIVE.joint_loss_factor, unit="1", lower=1e-4, upper=1.0, absent=None, doc="of the stinger"
     )
 
     def on_drive(self, drive: Drive) -> Drive:
         if not self.acts_on(drive.dof) or self.stiffness == STINGER.max_stiffness:
             return drive
-        return replace(drive, compliance=drive.compliance + 1 / self.stiffness)
+        return replace(
+            drive, compliance=drive.compliance + 1 / self.stiffness, stinger_loss_factor=self.loss_factor
+        )
+
+    def scan_values(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
+        """Return stiffnesses on which the armature resonates in the band or above it."""
+        mass = setup.exciter.armature_mass
+        if not mass:
+            return {"stiffness": STINGER_SCAN.stiffnesses}
+        natural = 2 * np.pi * setup.analyser.freq[-1] * STINGER_SCAN.frequencies
+        stiffnesses = mass * natural**2
+        bounds = self.specs()["stiffness"]
+        return {"stiffness": [float(k) for k in stiffnesses if bounds.lower <= k < bounds.upper]}
 
     @classmethod
     def from_setup(cls, setup: RigSetup) -> Sequence[Self]:

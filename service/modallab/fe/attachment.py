@@ -212,6 +212,8 @@ def unique_columns(columns: FloatArray) -> tuple[FloatArray, list[int]]:
 def merged(attachments: Sequence[Attachment]) -> tuple[Attachment, ...]:
     """Return equivalent attachments: all of constant matrices merged into one, each motion once."""
     plain = [a for a in attachments if a.is_constant]
+    if not plain:
+        return tuple(attachments)
     columns, place = unique_columns(np.hstack([a.columns for a in plain]))
     total: dict[str, FloatArray] = {}
     first = 0

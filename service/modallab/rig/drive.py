@@ -41,6 +41,8 @@ class Drive:
     """kg, mass at the drive point that is cancelled in the measured force."""
     coils: tuple[Coil, ...] = ()
     """Coils driven with controlled voltage; with controlled current there is no back-EMF."""
+    stinger_loss_factor: float = DRIVE.joint_loss_factor
+    """1, loss factor of the stinger."""
 
     @property
     def ideal(self) -> bool:
@@ -66,9 +68,7 @@ class Drive:
     def ladder(self, omega: FloatArray) -> list[tuple[ComplexArray, ComplexArray]]:
         """Return pairs outwards: compliance C (n_freq,) m/N of a spring, stiffness Z (n_freq,) N/m."""
         zeros = np.zeros(len(omega), complex)
-        gauge, stinger = (
-            c / (1 + 1j * DRIVE.joint_loss_factor) for c in (self.gauge_compliance, self.compliance)
-        )
+        gauge, stinger = self._compliances
         half_turn = omega / 2 * np.sqrt(self.stinger_mass * stinger) / np.pi
         half = -(omega**2) * self.stinger_mass / 2 * np.sinc(half_turn) / np.cos(np.pi * half_turn)
         return [
@@ -76,6 +76,12 @@ class Drive:
             (zeros + gauge, half),
             (stinger * np.sinc(2 * half_turn), self.impedance(omega) + half),
         ]
+
+    @property
+    def _compliances(self) -> tuple[complex, complex]:
+        """Complex compliances of gauge and stinger, m/N."""
+        gauge = self.gauge_compliance / (1 + 1j * DRIVE.joint_loss_factor)
+        return gauge, self.compliance / (1 + 1j * self.stinger_loss_factor)
 
     def shaping(self, omega: FloatArray) -> ComplexArray:
         """Return the coil force over its static value, (n_freq,): R/(R + i omega L)."""
@@ -93,7 +99,7 @@ class Drive:
             return system
         lumps, joints = self._lumped(omega)
         mass, stiffness, viscous = (np.diag(values) for values in lumps.T)
-        k = np.zeros_like(stiffness)
+        k = np.zeros(stiffness.shape, complex)
         for i, (joint, along) in enumerate(joints):
             element = np.array([[1.0, -1.0], [-1.0, 1.0]])
             k[i : i + 2, i : i + 2] += joint * element
@@ -102,36 +108,37 @@ class Drive:
             Attachment(
                 system.selection((self.dof,)),
                 mass,
-                stiffness + k,
-                DRIVE.joint_loss_factor * k,
+                stiffness + k.real,
+                k.imag,
                 viscous,
                 inner=len(joints),
             )
         )
 
-    def _lumped(self, omega: float) -> tuple[FloatArray, list[tuple[float, float]]]:
-        """Return mass, stiffness, damping of the lumps (n, 3), and the (stiffness, mass) of the joints.
+    def _lumped(self, omega: float) -> tuple[FloatArray, list[tuple[complex, float]]]:
+        """Return mass, stiffness, damping of the lumps (n, 3), complex stiffness and mass of the joints.
 
         A lump without mass, or too light to resonate on its joint, is added to its inner neighbour.
         """
         induced = self._induced(np.array([omega]))[0]
         armature_suspension = (self.stiffness - omega * induced.imag, self.viscous + induced.real)
         half = self.stinger_mass / 2
+        gauge, stinger = self._compliances
         ladder = [
-            (0.0, 0.0, (self.cancelled_mass, 0.0, 0.0)),
-            (self.gauge_compliance, 0.0, (half, 0.0, 0.0)),
-            (self.compliance, self.stinger_mass, (self.mass + half, *armature_suspension)),
+            (0j, 0.0, (self.cancelled_mass, 0.0, 0.0)),
+            (gauge, 0.0, (half, 0.0, 0.0)),
+            (stinger, self.stinger_mass, (self.mass + half, *armature_suspension)),
         ]
-        lumps, joints, compliance_sum = [np.zeros(3)], [], 0.0
+        lumps, joints, compliance_sum = [np.zeros(3)], [], 0j
         for compliance, along, values in ladder:
             compliance_sum += compliance
-            if values[0] * compliance_sum * DRIVE.rigid_rate**2 < 1:
-                share = 1 / (1 + compliance_sum * values[1])  # of the inner end's motion that arrives
+            if values[0] * compliance_sum.real * DRIVE.rigid_rate**2 < 1:
+                share = 1 / (1 + compliance_sum.real * values[1])  # of the inner end's motion that arrives
                 lumps[-1] = lumps[-1] + np.array(values) * [1.0, share, share**2]
             else:
                 lumps.append(np.array(values))
                 joints.append((1 / compliance_sum, along))
-                compliance_sum = 0.0
+                compliance_sum = 0j
         return np.array(lumps), joints
 
 

@@ -81,8 +81,17 @@ def coarse_spectra(chain: Chain, step: int, lines: IntArray | None = None) -> Cr
         selection, some = LineSelection(lines), False
     # Every line of a steady signal costs no more exactly; a free decay does.
     screened = step > 1 or transient_of(chain) is not None
-    spectra = _with_noise(chain, noise_free(chain, selection, coarse=screened), selection.of(freq))
+    clean = noise_free(chain, selection, coarse=screened)
+    all_lines = None
+    if screened and _narrow_in_force(chain):
+        all_lines = noise_free(chain, LineSelection.every(1, len(freq)), coarse=True)
+    spectra = _with_noise(chain, clean, selection.of(freq), all_lines)
     return spectra.at(lines // step) if lines is not None and some else spectra
+
+
+def _narrow_in_force(chain: Chain) -> bool:
+    """Return whether an armature resonates on its stinger: a few lines may have most of the force's power."""
+    return any(drive.compliance > 0 and drive.mass > 0 for run in chain.runs for drive in run.drives)
 
 
 def noise_free(
@@ -209,10 +218,22 @@ def with_noise(chain: Chain, clean: ComplexArray) -> CrossSpectra:
     return _with_noise(chain, clean, chain.setup.analyser.freq)
 
 
-def _with_noise(chain: Chain, clean: ComplexArray, freq: FloatArray) -> CrossSpectra:
+def _with_noise(
+    chain: Chain, clean: ComplexArray, freq: FloatArray, all_lines: ComplexArray | None = None
+) -> CrossSpectra:
+    """Return the expected averaged spectra at some lines.
+
+    Parameters
+    ----------
+    clean
+        `noise_free(chain)` at these lines.
+    all_lines
+        The same at the lines that represent the mean of the band; None: `clean`.
+    """
+    all_lines = clean if all_lines is None else all_lines
     n, n_out = chain.n_in, len(chain.runs[0].responses)
     n_run, n_lines, _ = clean.shape
-    noise = noise_densities(chain, clean) * chain.setup.analyser.line_window.noise_shares(n, n_out)
+    noise = noise_densities(chain, all_lines) * chain.setup.analyser.line_window.noise_shares(n, n_out)
     ff = clean[..., : n * n].reshape(n_run, n_lines, n, n).copy()
     ff[..., np.arange(n), np.arange(n)] += noise[:, None, :n]
     analyser = chain.setup.analyser
@@ -223,7 +244,7 @@ def _with_noise(chain: Chain, clean: ComplexArray, freq: FloatArray) -> CrossSpe
         clean[..., -n_out:].real + noise[:, None, n:],
         effective_averages(analyser.simulated_averages, chain.overlap, analyser.line_window),
     )
-    acquisition_state = acquisition(chain, clean)
+    acquisition_state = acquisition(chain, all_lines)
     for effect in chain.effects:
         spectra = effect.on_spectra(spectra, acquisition_state)
     return spectra

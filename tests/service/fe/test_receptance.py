@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from modallab.core.dof import Dof
 from modallab.fe.assembly import assemble
+from modallab.fe.attachment import merged
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.damping import StructuralDamping, ViscousDamping
 from modallab.fe.receptance import (
@@ -19,7 +20,7 @@ from modallab.fe.receptance import (
     receptance,
 )
 from modallab.fe.system import DynamicSystem
-from tests.rigs import steel_beam
+from tests.rigs import beam_system, steel_beam
 from tests.strategies import loaded_systems
 
 FREQ = np.array([3.0, 17.0, 61.0, 240.0, 800.0])
@@ -183,3 +184,12 @@ def test_a_member_that_is_all_but_taken_out_of_a_large_structure_leaves_the_exac
         wanted = direct_receptance(softened, freq, all_points, all_points)
         # the series for high modes leaves out (1/4)^4 of what they add at the top of the band
         np.testing.assert_allclose(found, wanted, rtol=4e-3, atol=1e-5 * np.abs(wanted).max())
+
+
+def test_attachments_with_motions_of_their_own_are_not_merged() -> None:
+    oscillators = beam_system().add_oscillator(Dof(5, "Y"), 0.02, 90.0, 0.05).attachments
+    assert merged(oscillators) == oscillators
+    masses = beam_system().add_mass(3, 0.1).add_mass(4, 0.1).attachments
+    mass, oscillator = merged((*masses, *oscillators))
+    assert mass.is_constant
+    assert oscillator is oscillators[0]

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.effects.stinger_axial import StingerAxial
 from modallab.estimation.coherence import coherence
 from modallab.estimation.estimator import ESTIMATORS
 from modallab.fe.damping import StructuralDamping
@@ -154,3 +155,13 @@ def test_overlap_counts_only_where_records_follow_one_another() -> None:
     }
     assert np.isclose(worth["random"], 94.79, atol=0.01)
     assert worth["periodic_random"] == 100
+
+
+def test_a_first_look_has_the_noise_of_a_force_that_resonates_between_its_lines() -> None:
+    exciter = Exciter(armature_mass=0.02)
+    setup = rig(1, 7, exciter=exciter, noise=Noise(1e-4, 1e-4), analyser={"n_lines": 401})
+    stiffness = 0.02 * (2 * np.pi * 71.0) ** 2  # its half-power bandwidth of 1.4 Hz has one line, or none
+    bench = chain(beam_system(), setup, [StingerAxial(stiffness=stiffness, loss_factor=0.02)])
+    quick, full = coarse_spectra(bench, 3), expected_spectra(bench)
+    np.testing.assert_allclose(quick.ff, full.ff[:, ::3], rtol=1e-9)  # rounding of equal sums
+    np.testing.assert_allclose(quick.xx, full.xx[:, ::3], rtol=1e-9)

@@ -83,6 +83,8 @@ def choose_curve_model(
     best, least = None, max(smooth[1] / scale + cost, as_good / scale)
     for nearest, influence, source in candidates[: UNKNOWN.refined_models]:
         found = fit_curve_model(lines, influence, nearest, freq, offset=offset, scale=scale)
+        if found is None:
+            continue
         bic = found.chi_square / scale + len(found.parameters) * float(np.log(n_data))
         if source is not None and source != place.at:
             bic += 2 * float(np.log(n_sources))

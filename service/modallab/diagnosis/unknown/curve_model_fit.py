@@ -35,8 +35,8 @@ def fit_curve_model(
     *,
     offset: float,
     scale: float,
-) -> CurveModelFit:
-    """Return a model fitted to the FRFs, from an estimate.
+) -> CurveModelFit | None:
+    """Return a model fitted to the FRFs, from an estimate; None if they do not determine its parameters.
 
     Parameters
     ----------
@@ -55,6 +55,8 @@ def fit_curve_model(
     values = task.values(minimum.position)
     jacobian = task.derivatives(minimum.position, minimum.vector)
     size = np.sqrt((jacobian**2).sum(axis=0))
+    if not (np.isfinite(size) & (size > 0)).all():
+        return None
     covariance = np.linalg.pinv((jacobian / size).T @ (jacobian / size))
     n = len(values)
     errors = np.sqrt(scale * np.diag(covariance)) / size
