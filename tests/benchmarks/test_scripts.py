@@ -20,6 +20,7 @@ SCRIPTS = sorted(
 )
 SMALL = {
     "averaging_scatter": ["20"],
+    "control_bar": ["--members", "26", "--factors", "0.7", "--draws", "1"],
     "drawn_against_sampled": ["30"],
     "extraction_accuracy": ["--draws", "1", "--bandwidths", "2"],
     "extraction_errors": ["1"],

@@ -19,6 +19,7 @@ from modallab.diagnosis.predicting.prediction_budget import PredictionBudget
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.predicting.settings import BUDGET
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
+from modallab.diagnosis.predicting.supported_levels import with_supported_force_noise
 from modallab.diagnosis.residuals.frf_selection import FrfSelection
 from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.searching.acceptance import is_noise_only, ranked_by_bic, unexplained_parts
@@ -234,7 +235,10 @@ def _predictor(
     pulse: Pulse,
 ) -> Predictor:
     """Return the predictor of all tests, with nuisance parameters free within their tolerances."""
-    observations = [observe(test, held_out, fraction=fraction) for test in tests]
+    observations = [
+        with_supported_force_noise(structure, test.setup, observe(test, held_out, fraction=fraction))
+        for test in tests
+    ]
     budget = PredictionBudget(BUDGET.predictions_per_test * len(tests))
     first = SingleTestPredictor.of(
         structure, tests[0].setup, observations[0], heartbeat=pulse.beat, budget=budget

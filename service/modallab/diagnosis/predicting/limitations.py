@@ -6,6 +6,7 @@ import numpy as np
 
 from modallab.core.frf import FrfKind
 from modallab.diagnosis.predicting.settings import LIMITATIONS
+from modallab.diagnosis.residuals.free_levels import FreeLevels
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.settings import RANDOM_ERROR
 from modallab.extraction.preprocessing.reciprocity import reciprocity
@@ -25,7 +26,7 @@ def limitations(measurement: Measurement, observed: Observed) -> tuple[str, ...]
     return (
         *_of_quantities(measurement),
         *_of_random_errors(measurement),
-        *_of_levels(observed),
+        *_of_levels(FreeLevels.of(measurement.setup), observed),
         *_of_lines(observed),
     )
 
@@ -88,8 +89,7 @@ def _forces(measurement: Measurement) -> str:
     return f"a hammer at {n_in} points" if measurement.setup.roving_hammer else f"{n_in} shakers at once"
 
 
-def _of_levels(observed: Observed) -> Iterator[str]:
-    levels = observed.free_levels
+def _of_levels(levels: FreeLevels, observed: Observed) -> Iterator[str]:
     kinds = [
         name
         for name, free in (("force_noise", levels.force_noise), ("response_noise", levels.response_noise))
@@ -98,6 +98,11 @@ def _of_levels(observed: Observed) -> Iterator[str]:
     if kinds:
         kinds.append("quantisation")
         yield f"noise of the channels is not declared: fitted to the test, and {', '.join(kinds)} not judged"
+    if levels.force_noise and not observed.free_levels.force_noise:
+        yield (
+            "the coherence may show noise of the force, but the FRFs are not as low as H1 with such noise: "
+            "none is assumed"
+        )
     if levels.shape:
         yield "the source's spectrum is not declared: a force is compared beside a smooth curve fitted to it"
     elif levels.source:

@@ -11,6 +11,11 @@ TESTS = "simulated tests of the suite"
 class PredictionSettings(Settings):
     """Coarse predictions and their cost."""
 
+    force_noise_loss: float = setting(
+        10.0,
+        doc="decrease of the Cauchy loss of the FRFs from which they contradict noise of the force",
+        derived="a likelihood ratio of 1 in 20,000",
+    )
     coarse_lines: int = setting(130, unit="lines", doc="lines of a coarse prediction, at least", tuned=TESTS)
     stepping_cost: int = setting(
         30,
