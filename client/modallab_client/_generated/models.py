@@ -706,7 +706,7 @@ class Coil:
 
 @dataclass(frozen=True, kw_only=True)
 class Exciter:
-    """Exciter of the structure. With an amplifier that controls the current the coil does not react on its motion; with one that controls the voltage its back-EMF damps it, by force_factor^2 / (resistance + i omega inductance)."""
+    """Exciter of the structure. If the amplifier controls the current, the motion of the coil causes no force. If it controls the voltage, the back-EMF of the coil damps the motion by force_factor^2 / (resistance + i omega inductance)."""
 
     amplifier: Literal["current", "voltage"]
     """Quantity that the amplifier controls: `current` or `voltage`."""

@@ -208,10 +208,11 @@ def _scatter(stretches: _Stretches, correlation: ErrorCorrelation) -> FloatArray
 def _residuals(
     stretches: _Stretches, whitening: FloatArray | ComplexArray
 ) -> tuple[ComplexArray, ComplexArray]:
-    """Return the columns that smooth fits leave free, (n, n_lines, n_spare), and the lines along them.
+    """Return an orthonormal basis of the residuals of smooth fits, (n, n_lines, n_spare), with coefficients.
 
-    In every stretch a quotient of quadratic polynomials is fitted, which takes up two resonances; linearised
-    least squares are weighted anew by the denominator (Sanathanan and Koerner 1963).
+    In every interval of lines a quotient of quadratic polynomials is fitted, which represents two resonances.
+    The linearised least-squares problem is weighted by the denominator of the previous step (Sanathanan and
+    Koerner 1963).
 
     Parameters
     ----------

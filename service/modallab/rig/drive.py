@@ -149,8 +149,7 @@ def _electrical(coil: Coil, omega: FloatArray) -> ComplexArray:
 def transmission(drives: tuple[Drive, ...], omega: FloatArray, alpha: ComplexArray) -> ComplexArray:
     """Return the forces on the structure per force of each source, (n_run, n_freq, n_in, n_in).
 
-    For armatures alone F = (I + Z_a alpha)^-1 P [5.3]; several exciters feel each other through the
-    structure.
+    For armatures alone F = (I + Z_a alpha)^-1 P [5.3]. Several exciters are coupled through the structure.
 
     Parameters
     ----------

@@ -235,13 +235,14 @@ class LocalResponseSpectrum:
 def residual_spectrum(
     linearised_force: LinearisedForce, spectrum: FloatArray, receptance: ComplexArray, spacing: float
 ) -> tuple[FloatArray, ComplexArray]:
-    """Return the density of a force's residual, N^2/Hz, and its equivalent feedback.
+    """Return the spectral density of a force's residual, N^2/Hz, and its equivalent feedback.
 
-    The residual moves the structure, and so the next residual. To second order in the force that is a
-    force again in line with the motion: minus the transform of C'(R) g, with C the residual's
-    autocorrelation, R the motion's and g the structure's answer to an impulse. It damps resonances where
-    the residual feeds on them, so that they do not gain more than sources give; for a cubic
-    18 k_3^2 R^2 g. Kraichnan (1961), J. Math. Phys. 2, 124-148 (direct interaction).
+    The residual force causes motion, and this motion changes the residual force. To second order in the
+    force, the change is a feedback proportional to the motion: minus the Fourier transform of C'(R) g, with
+    the autocorrelations C of the residual and R of the motion, and the impulse response g of the structure.
+    The feedback damps the resonances that the residual excites, so that they gain no more energy than the
+    sources supply. For a cubic spring C'(R) is 18 k_3^2 R^2. Kraichnan (1961), J. Math. Phys. 2, 124-148
+    (direct interaction).
 
     Parameters
     ----------

@@ -69,8 +69,8 @@ def _residuals(
 ) -> ModalResiduals:
     """Return the residuals that are minimised.
 
-    Any MAC will do for the first pairing: rows of a mode that is paired wrongly have a large misfit and
-    therefore little weight.
+    The first pairing has no lower limit of the MAC: the rows of a wrongly paired mode have a large misfit,
+    and therefore a small weight.
     """
     return ModalResiduals(
         Assembly(structure, joint_rotations=True),
