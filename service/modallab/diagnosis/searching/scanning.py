@@ -1,9 +1,10 @@
 """Scan of every suspect at every place by coarse predictions."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 
 from modallab.core.arrays import FloatArray
 from modallab.core.progress import Progress, part
@@ -55,7 +56,35 @@ def scan(
         for i in _best_places(candidates, by_value, useful_cost):
             for best in local_minima(candidates[i], by_value[i]):
                 chosen.setdefault((i, best), StartingPoint(candidates[i][best], noise_inflation))
-    return list(chosen.values())
+    return [_with_best_amount(prediction, accepted, start, cost) for start in chosen.values()]
+
+
+def _with_best_amount(
+    prediction: CoarsePrediction, accepted: Sequence[Effect], start: StartingPoint, cost: RobustCost
+) -> StartingPoint:
+    """Return a starting point with the amount of least robust cost between the grid values beside its own.
+
+    Of local changes of the structure: least squares find the way from one grid value to the next only where
+    resonances shift by less than their bandwidths.
+    """
+    effect, inflation = start.effect, LOSS.noise_inflations.index(start.noise_inflation)
+    if not effect.structural or effect.at is None or not smallest_amounts([effect]):
+        return start
+
+    def loss(logarithm: float) -> float:
+        candidate = with_amount_scaled(effect, float(np.exp(logarithm)))
+        return float(cost.of(_vector(prediction, [*accepted, candidate]))[inflation])
+
+    low, high = SCAN.amount_shares
+    trials = np.log(np.geomspace(low, high, SCAN.amount_trials))
+    best = trials[int(np.argmin([loss(trial) for trial in trials]))]
+    step = trials[1] - trials[0]
+    found = scipy.optimize.minimize_scalar(
+        loss, bounds=(best - step, best + step), method="bounded", options={"maxiter": SCAN.amount_steps}
+    )
+    if not found.fun < loss(0.0):
+        return start
+    return replace(start, effect=with_amount_scaled(effect, float(np.exp(found.x))))
 
 
 def _best_places(

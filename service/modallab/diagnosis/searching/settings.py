@@ -164,6 +164,15 @@ class ModificationScreenSettings(Settings):
 class ScanSettings(Settings):
     """Candidates that coarse fits start from."""
 
+    amount_shares: tuple[float, float] = setting(
+        (0.4, 2.0), doc="range of a better amount over that of the grid", derived="the grid values beside it"
+    )
+    amount_trials: int = setting(
+        8, unit="predictions", doc="amounts of that range that are tried", derived="steps of a quarter"
+    )
+    amount_steps: int = setting(
+        5, unit="predictions", doc="predictions about the best of them", derived="to a tenth of a step"
+    )
     max_starts: int = setting(
         5, unit="candidates", doc="best candidates for each noise inflation", tuned=TESTS
     )
@@ -187,7 +196,10 @@ class RoundSettings(Settings):
         derived="a result shows the rivals of its explanation",
     )
     kinds_at_neighbours: int = setting(
-        2, unit="kinds", doc="kinds of effects that are fitted at adjoining places too", tuned=TESTS
+        4,
+        unit="kinds",
+        doc="kinds of effects that are fitted at adjoining places too",
+        tuned="members of a fine, lightly damped bar: with 2, one of seven is never fitted",
     )
     competitive_cost: float = setting(
         10.0,

@@ -46,7 +46,8 @@ def unknown_effect(predictor: Predictor, path: SearchPath) -> Unknown | None:
     """Return the effect of no catalogue that closes most of a gap of the FRFs; None if none does.
 
     With one drive every line tells one internal force, and where two responses differ by it, the DoF at
-    which it acts. It is solved for alone and beside the effects found; alone where that leaves no more.
+    which it acts. It is solved for alone and beside the effects found; alone where that leaves no more, or
+    where one of those is a nonlinear force: with that, no exact modification of rank one is known.
 
     Parameters
     ----------
@@ -57,7 +58,7 @@ def unknown_effect(predictor: Predictor, path: SearchPath) -> Unknown | None:
     if len(predictor.tests) > 1 or observed.n_simultaneous > 1 or observed.fitted.sum(axis=1).max() < 2:
         return None
     bases: list[tuple[tuple[Effect, ...], Fit]] = [((), path.start)]
-    if path.steps:
+    if path.steps and all(effect.on_motion() is None for effect in path.fit.effects):
         bases.append((path.fit.effects, path.fit))
     solved = [_solved(predictor.tests[0], effects, start) for effects, start in bases]
     best, rivals = min(solved, key=lambda each: each[0].gap + UNKNOWN.cost_of_steps * len(each[0].accepted))

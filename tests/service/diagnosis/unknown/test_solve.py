@@ -10,14 +10,18 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.core.place import Channels
 from modallab.diagnosis.diagnose import diagnose
+from modallab.diagnosis.fitting.fit import fit
 from modallab.diagnosis.result import CurveModelName, Diagnosis, Unknown, UnknownCause, Verdict
+from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath
+from modallab.diagnosis.unknown.solve import unknown_effect
 from modallab.effects.ac_coupling import AcCoupling
+from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.extra_mass import ExtraMass
 from modallab.fe.attachment import Attachment
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import AcquisitionRun
-from tests.diagnosing import draw_measurement, model, rig
+from tests.diagnosing import draw_measurement, model, predicting, rig
 
 HELD = [Dof(2, "Y")]
 PLACE = Dof(5, "Y")
@@ -115,3 +119,16 @@ def test_nothing_unknown_is_solved_for_where_an_effect_explains_the_test() -> No
     found = _diagnosed(ExtraMass(at=PLACE, mass=0.1), ["extra_mass"])
     assert found.verdict is Verdict.EXPLAINED
     assert found.unknown is None
+
+
+def test_beside_a_nonlinear_force_it_is_solved_for_alone() -> None:
+    """With a nonlinear force every derivative is a simulation, and no modification of rank one is exact."""
+    test = draw_measurement(rig(averages=100), [_FractionalDamper(at=PLACE)], seed=0)
+    predictor, _ = predicting(test)
+    start = fit(predictor, ())
+    spring = fit(predictor, (CubicStiffness(at=Dof(9, "Y"), stiffness=1e6),))
+    path = SearchPath(start, (AcceptedEffect(("cubic_stiffness", "9:+Y"), start, spring, (spring,)),))
+    found = unknown_effect(predictor, path)
+    assert found is not None
+    assert not found.beside_steps
+    assert found.at == PLACE
