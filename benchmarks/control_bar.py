@@ -153,7 +153,7 @@ def outcome(member: int, factor: float, draw: int) -> Outcome:
     return Outcome(separable, first, first or right in alike, misled)
 
 
-def rows(members: Sequence[int], factors: Sequence[float], draws: int) -> list[Row]:
+def run(members: Sequence[int], factors: Sequence[float], draws: int) -> list[Row]:
     """Return (name, figure, limit): shares of separable and other members that are not named, or mislead."""
     cases = [(m, factor, draw) for m in members for factor in factors for draw in range(draws)]
     found = [outcome(*case) for case in cases]
@@ -180,11 +180,11 @@ def main() -> None:
     arguments.add_argument("--factors", type=float, nargs="+", default=FACTORS)
     arguments.add_argument("--draws", type=int, default=3)
     options = arguments.parse_args()
-    for name, figure, limit in rows(options.members, options.factors, options.draws):
+    for name, figure, limit in run(options.members, options.factors, options.draws):
         print(f"{name:<60} {figure:.3f}  limit {limit}")
 
 
-BENCH = Bench(full=lambda: rows(MEMBERS, (0.7,), 1), short=lambda: rows((26,), (0.7,), 1))
+BENCH = Bench(full=lambda: run(MEMBERS, (0.7,), 1), short=lambda: run((26,), (0.7,), 1))
 
 if __name__ == "__main__":
     main()

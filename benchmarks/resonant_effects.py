@@ -79,7 +79,7 @@ def missed(kind: str, f: float, seed: int) -> bool:
     return not right
 
 
-def rows(kinds: Sequence[str], count: int, seed: int) -> list[Row]:
+def run(kinds: Sequence[str], count: int, seed: int) -> list[Row]:
     """Return (name, figure, limit) of each kind: the share that is not found, over that which may be."""
     found: list[Row] = []
     for kind in kinds:
@@ -97,11 +97,11 @@ def main() -> None:
     arguments.add_argument("--count", type=int, default=60)
     arguments.add_argument("--seed", type=int, default=0)
     options = arguments.parse_args()
-    for name, figure, limit in rows(options.kind or KINDS, options.count, options.seed):
+    for name, figure, limit in run(options.kind or KINDS, options.count, options.seed):
         print(f"{name:<60} {figure:.3f}  limit {limit}")
 
 
-BENCH = Bench(full=lambda: rows(KINDS, 6, 0), short=lambda: rows(KINDS[:1], 1, 0))
+BENCH = Bench(full=lambda: run(KINDS, 6, 0), short=lambda: run(KINDS[:1], 1, 0))
 
 if __name__ == "__main__":
     main()

@@ -271,7 +271,7 @@ def adopting(
     return extended(*beside, [adopted_effect(unknown, test.frf.freq)])
 
 
-def rows(kinds: Sequence[str], count: int, seed: int, suspects: Sequence[str] | None) -> list[Row]:
+def run(kinds: Sequence[str], count: int, seed: int, suspects: Sequence[str] | None) -> list[Row]:
     """Return (name, figure, limit) of each kind: shares that fall short, each over the share that may."""
     found: list[Row] = []
     for kind in kinds:
@@ -308,11 +308,11 @@ def main() -> None:
     arguments.add_argument("--few", action="store_true", help="without the catalogue, in seconds a case")
     options = arguments.parse_args()
     kinds = options.kind or list(SEED_OF_KIND)
-    for name, figure, limit in rows(kinds, options.count, options.seed, FEW if options.few else None):
+    for name, figure, limit in run(kinds, options.count, options.seed, FEW if options.few else None):
         print(f"{name:<60} {figure:.2f}  limit {limit}")
 
 
-BENCH = Bench(full=lambda: rows(list(SEED_OF_KIND), 5, 0, FEW), short=lambda: rows(["fractional"], 1, 0, FEW))
+BENCH = Bench(full=lambda: run(list(SEED_OF_KIND), 5, 0, FEW), short=lambda: run(["fractional"], 1, 0, FEW))
 
 if __name__ == "__main__":
     main()
