@@ -37,6 +37,23 @@ def test_a_hammer_strikes_unless_told_otherwise(service: Any) -> None:
     assert shaker["analyser"]["excitation"]["kind"] == "periodic_random"
 
 
+@pytest.mark.parametrize(
+    ("stated", "shape"),
+    [
+        ({"kind": "impact"}, "unknown"),
+        ({"level_scatter": 0.2}, "unknown"),
+        ({"kind": "impact", "tip_stiffness": 1e7}, "flat"),
+        ({"kind": "impact", "level": 1.0}, "flat"),
+        ({"kind": "periodic_random"}, "flat"),
+    ],
+)
+def test_pulse_of_which_nothing_is_stated_is_unknown(
+    service: Any, stated: dict[str, Any], shape: str
+) -> None:
+    rig = service.post("/v1/rigs", hammer(**stated) | {"drive": "1:+Y", "responses": POINTS})
+    assert rig["analyser"]["excitation"]["shape"] == shape
+
+
 @pytest.mark.parametrize("route", ["expected", "drawn", "sampled"])
 def test_a_roving_hammer_measures_what_a_roving_accelerometer_does(
     service: Any, beam: str, route: str

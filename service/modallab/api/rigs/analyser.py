@@ -1,5 +1,6 @@
 """Wire types of the analyser's settings."""
 
+from dataclasses import replace
 from typing import Annotated, Literal
 
 from modallab.api.names import EstimatorName, ExcitationKind, WindowName
@@ -33,12 +34,17 @@ class ExcitationIn(Wire):
     band: tuple[_Frequency, _Frequency] | None = _DEFAULT.excitation.band
     """Hz, lowest and highest frequency that the source drives; null: the whole band of the analyser"""
     shape: Literal["flat", "unknown"] = _DEFAULT.excitation.shape
-    """spectrum of the source over its band; a diagnosis leaves an unknown one free"""
+    """spectrum of the source over its band; a diagnosis leaves an unknown one free; left out: flat, of a blow
+    of which neither level, tip nor mass are stated unknown"""
 
     def to_domain(self, usual: str) -> ExcitationSetting:
         """Return the excitation, of the `usual` kind where none is given; an unknown kind raises."""
-        kind = self.kind if "kind" in self.model_fields_set else usual
-        return ExcitationSetting(kind, **self.model_dump(exclude={"kind"}))
+        stated = self.model_fields_set
+        kind = self.kind if "kind" in stated else usual
+        setting = ExcitationSetting(kind, **self.model_dump(exclude={"kind"}))
+        if kind == "impact" and not stated & {"level", "tip_stiffness", "hammer_mass", "shape"}:
+            return replace(setting, shape="unknown")
+        return setting
 
 
 UNKNOWN_EXCITATION = ExcitationIn(shape="unknown")

@@ -197,10 +197,17 @@ class SpectrumStack:
             spectra["force_variance"] = self.forces(
                 [np.broadcast_to(p.force_variance, f.shape) for p, f in zip(parts, force, strict=True)]
             )
+            if any(part.shape_variance is not None for part in parts):
+                spectra["shape_variance"] = self.forces([_shape_variance(part) for part in parts])
         for name in ("incoherent", "incoherent_variance"):
             arrays = [array for part in parts if (array := getattr(part, name)) is not None]
             spectra[name] = self.channels(arrays, 1.0) if len(arrays) == len(parts) else None
         return spectra
+
+
+def _shape_variance(part: Observed) -> FloatArray:
+    assert part.force is not None
+    return np.zeros(part.force.shape) if part.shape_variance is None else part.shape_variance
 
 
 def _keys(channels: Sequence[FrfChannel]) -> tuple[ChannelKey, ...]:

@@ -27,7 +27,7 @@ from modallab.diagnosis.residuals.random_error import (
     weak_line_factor,
 )
 from modallab.diagnosis.residuals.settings import RANDOM_ERROR
-from modallab.diagnosis.residuals.source_power import SourcePower
+from modallab.diagnosis.residuals.source_power import SourcePower, shape_variance
 from modallab.diagnosis.residuals.white_noise import WhiteNoise
 from modallab.estimation.line_scatter import Estimate
 from modallab.estimation.settings import FORCE_NOISE
@@ -82,6 +82,8 @@ class Observed:
     """Relative standard error of the variances of all FRFs, where they are estimated themselves."""
     variance_floor: float = RANDOM_ERROR.prediction_error**2
     """Least variance of the logarithm of an auto spectrum."""
+    shape_variance: FloatArray | None = None
+    """(n_freq, n_force), least variance of the logarithm of `force`, of a source of unknown shape."""
     free_levels: FreeLevels = ALL_DECLARED
     """Levels that the log book leaves open."""
     shared_noise: FloatArray | None = None
@@ -180,6 +182,7 @@ class Observed:
             force_variance=self._force_variance_at(lines),
             coherence=self.coherence[lines],
             force=_rows(self.force, lines),
+            shape_variance=_rows(self.shape_variance, lines),
             incoherent=_rows(self.incoherent, lines),
             incoherent_variance=_rows(self.incoherent_variance, lines),
             usable=self.usable[lines],
@@ -239,6 +242,13 @@ def observe(measurement: Measurement, held_out: Sequence[FrfSelection], *, fract
     incoherent, incoherent_variance = incoherent_spectrum(spectra, variance_floor)
     force, force_variance = force_spectrum(spectra, variance_floor)
     channels, lines = _held_out(spectra, held_out, fraction)
+    usable = (g2 > FORCE_NOISE.min_coherence) & _driven(analyser, spectra.freq)[:, None] & (np.abs(h) > 0)
+    free_levels = FreeLevels.of(measurement.setup)
+    shape_variances: FloatArray | None = None
+    if free_levels.shape and force is not None:
+        shown = np.asarray(usable.reshape(*force.shape, -1).any(axis=2))
+        shape_variances = np.broadcast_to(shape_variance(spectra.freq, force, shown), force.shape)
+        force_variance = np.maximum(force_variance, shape_variances)
     window = WINDOWS[analyser.window].samples(RANDOM_ERROR.window_samples) ** 2
     observed = Observed(
         freq=spectra.freq,
@@ -250,7 +260,7 @@ def observe(measurement: Measurement, held_out: Sequence[FrfSelection], *, fract
         force_variance=force_variance,
         incoherent=incoherent,
         incoherent_variance=incoherent_variance,
-        usable=(g2 > FORCE_NOISE.min_coherence) & _driven(analyser, spectra.freq)[:, None] & (np.abs(h) > 0),
+        usable=usable,
         held_out=channels,
         held_out_lines=lines,
         correlation_length=float((window**2).mean() / window.mean() ** 2),
@@ -258,12 +268,13 @@ def observe(measurement: Measurement, held_out: Sequence[FrfSelection], *, fract
         averages=measurement.averages,
         scale_error=scale_error(measurement, scatter),
         variance_floor=variance_floor,
+        shape_variance=shape_variances,
         shared_noise=shared_noise(spectra),
         response_once=_response_once(spectra),
         n_simultaneous=spectra.n_simultaneous,
         decorrelation=Decorrelation.of(spectra, coherence_variance / error**2),
         force_correlation=spectra.force_correlation,
-        free_levels=FreeLevels.of(measurement.setup),
+        free_levels=free_levels,
     )
     _check_fittable(observed)
     return observed

@@ -39,6 +39,8 @@ class Residual:
     """Effective number of averages."""
     variance_floor: float = RANDOM_ERROR.prediction_error**2
     """Least variance of the logarithm of a force spectrum."""
+    shape_variance: FloatArray | None = None
+    """Least variance of the same, of a source of unknown shape, see `Observed`."""
     lines_correlated: bool = False
     """Whether lines share random numbers beyond those that a window mixes."""
     shared_noise: FloatArray | None = None
@@ -122,6 +124,8 @@ class Residual:
         if self.force is not None:
             gamma_shape = self.averages / np.maximum(ratios.force, RANDOM_ERROR.prediction_error**2)
             variance = polygamma(1, gamma_shape) + self.variance_floor
+            if self.shape_variance is not None:
+                variance = np.maximum(variance, self.shape_variance)
             parts["force"] = self.force * np.sqrt(self.force_variance / variance)
         return parts
 
@@ -173,6 +177,7 @@ def residual(observed: Observed, predicted: Predicted, *, noise_inflation: float
         force_variance,
         observed.averages,
         observed.variance_floor,
+        observed.shape_variance,
         predicted.lines_correlated,
         observed.shared_noise,
         observed.runs,

@@ -128,6 +128,11 @@ class FreeLevelSettings(Settings):
     lines_per_function: int = setting(
         12, unit="lines", doc="measured lines for each function, at least", derived="few data are taken up"
     )
+    shape_error: float = setting(
+        0.023,
+        doc="largest deviation of the logarithm of a source's power from its B-splines that is no effect",
+        derived="0.1 dB: ripple of amplifiers and of a hammer's pulse beside a smooth curve",
+    )
     initial_quantile: float = setting(
         0.1, doc="share of the lines below the first guess of a noise", derived="only the cost depends on it"
     )

@@ -70,6 +70,27 @@ class SourcePower:
         return _with_forces(powered, ff)
 
 
+def shape_variance(freq: FloatArray, force: FloatArray, used: BoolArray) -> FloatArray:
+    """Return the least variances (n_force,) of the logarithms of spectra of forces of unknown shape.
+
+    A pulse or an amplifier is no sum of a few B-splines, however small the random error. The deviation from
+    them is taken from the spectra, up to what a source may have.
+
+    Parameters
+    ----------
+    force
+        (n_freq, n_force), N^2/Hz.
+    used
+        (n_freq, n_force), lines that show the source.
+    """
+    functions, variances = source_functions(freq, freq, shape=True), []
+    for column, shown in zip(force.T, used.T, strict=True):
+        basis, logarithm = functions[shown], np.log(column[shown])
+        coefficients = np.linalg.lstsq(basis, logarithm, rcond=None)[0]
+        variances.append(((logarithm - basis @ coefficients) ** 2).sum() / max(shown.sum(), 1))
+    return np.asarray(np.clip(variances, 0.0, FREE_LEVELS.shape_error**2), float)
+
+
 def source_functions(freq: FloatArray, measured: FloatArray, *, shape: bool) -> FloatArray:
     """Return the functions (n_freq, n) whose sum is the logarithm of a source's power.
 

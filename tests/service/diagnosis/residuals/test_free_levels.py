@@ -10,7 +10,7 @@ from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.residuals.residual import residual
-from modallab.diagnosis.residuals.source_power import source_functions
+from modallab.diagnosis.residuals.source_power import shape_variance, source_functions
 from modallab.diagnosis.residuals.white_noise import WhiteNoise
 from modallab.diagnosis.result import Verdict
 from modallab.diagnosis.search_task import suspected
@@ -161,3 +161,14 @@ def test_lines_outside_the_source_band_take_no_part() -> None:
     used = observed.freq[observed.usable.any(axis=1)]
     assert used[0] == pytest.approx(100.0)
     assert used[-1] == pytest.approx(300.0)
+
+
+@pytest.mark.parametrize(("ripple", "variance"), [(0.0, 0.0), (0.002, 0.002**2 / 2), (0.2, 0.023**2)])
+def test_variance_of_unknown_shape_is_that_beside_smooth_curves_up_to_a_tenth_of_a_decibel(
+    ripple: float, variance: float
+) -> None:
+    freq = np.linspace(2.0, 800.0, 400)
+    pulse = np.exp(-((freq / 600.0) ** 2)) * (1 + ripple * np.sin(freq / 5))
+    usable = np.ones((len(freq), 1), bool)
+    # Eight splines take up little of a fast sine, and leave 1e-8 of so smooth a pulse.
+    assert shape_variance(freq, pulse[:, None], usable) == pytest.approx(variance, rel=0.1, abs=1e-7)
