@@ -1,0 +1,80 @@
+"""Tests of the second simulator: nothing shared with the package, and both agree where a model is exact."""
+
+import ast
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import benchmarks.laboratory
+from benchmarks.laboratory.draws import BASES, SINGLES, UNKNOWN, bars_of, drawn
+from benchmarks.laboratory.hiding import hide
+from benchmarks.laboratory.simulation import measure
+from benchmarks.laboratory_trial import measurement_of, score, structure_of
+from modallab.diagnosis.diagnose import diagnose_with_options
+from modallab.diagnosis.optimisation.tolerances import TolerancePreset
+from modallab.diagnosis.options import DiagnosisOptions
+from modallab.diagnosis.result import Verdict
+from modallab.fe.assembly import assemble
+
+HAMMER, HANN, PERIODIC = 8, 5, 1  # numbers of such tests of seed 1
+EXACT = DiagnosisOptions(tolerances=TolerancePreset.NONE)
+
+
+def test_laboratory_imports_nothing_of_the_package() -> None:
+    for path in Path(benchmarks.laboratory.__file__).parent.glob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+            assert not [name for name in names if name.split(".")[0].startswith("modallab")], path.name
+
+
+@pytest.mark.parametrize("base", BASES)
+def test_modes_are_those_of_the_package(base: str) -> None:
+    bars = bars_of(base)
+    squares = bars.modes[0]
+    ours = assemble(structure_of(bars)).base_modes(1e9).eigenvalues.real[:12]
+    rigid = int((squares < 1e-6 * squares[11]).sum())
+    # Two eigensolvers and two orders of summation.
+    np.testing.assert_allclose(np.sort(ours)[rigid:], squares[rigid:12], rtol=1e-6)
+
+
+@pytest.mark.parametrize("number", [HAMMER, HANN, PERIODIC])
+def test_exact_model_misses_nothing(number: int) -> None:
+    test = drawn(number, 1)
+    measured = measure(test.model, test.plan, (), np.random.default_rng(1))
+    found = diagnose_with_options(structure_of(test.model), measurement_of(test.plan, measured), EXACT)
+    assert found.verdict is Verdict.NOTHING_MISSING
+    assert found.remaining_gap == pytest.approx(1.0, abs=0.3)  # its scatter, and the shape of a pulse
+
+
+@pytest.mark.parametrize("name", [*SINGLES, *UNKNOWN])
+def test_every_effect_changes_what_is_measured(name: str) -> None:
+    test = drawn(PERIODIC, 1)
+    effect = hide(name, test.plan, test.model, np.random.default_rng(3))
+    plan = replace(test.plan, n_lines=101)
+    without, with_effect = (
+        measure(test.model, plan, effects, np.random.default_rng(0)) for effects in ((), (effect,))
+    )
+    changed = [
+        np.abs(np.log(getattr(with_effect, part) / getattr(without, part))).max()
+        for part in ("inertance", "force", "response")
+    ]
+    assert max(changed) > 0.01
+
+
+def test_what_is_named_is_judged_by_kind_and_place() -> None:
+    test = drawn(PERIODIC, 1)  # a wrong member
+    measured = measure(test.model, test.plan, test.hidden, np.random.default_rng(1))
+    options = DiagnosisOptions(tolerances=TolerancePreset.NONE, suspects=("stiffness_error",))
+    found = diagnose_with_options(structure_of(test.model), measurement_of(test.plan, measured), options)
+    line = score(test, found)
+    assert line["right"]
+    assert line["steps"][0]["true"]
+    elsewhere = replace(test, hidden=(replace(test.hidden[0], at=(test.hidden[0].at + 5) % 20),))
+    assert not score(elsewhere, found)["right"]
+
+
+def test_a_test_is_the_same_whatever_is_drawn_before() -> None:
+    assert drawn(3, 1).hidden == drawn(3, 1).hidden
