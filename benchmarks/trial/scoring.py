@@ -127,7 +127,9 @@ def _judgement(case: Case, diagnosis: Diagnosis) -> dict[str, Any]:
     single_steps = {
         "nothing": diagnosis.verdict is Verdict.NOTHING_MISSING,
         "unknown": diagnosis.verdict is Verdict.UNEXPLAINED,
-        "log_book": diagnosis.verdict is Verdict.UNEXPLAINED,  # where no effect amounts to the mistake
+        # Where no effect amounts to the mistake; a window is corrected, and a note says so.
+        "log_book": diagnosis.verdict is Verdict.UNEXPLAINED
+        or any("declares the window" in note for note in diagnosis.notes),
     }
     if case.type == "nothing":
         return {"right": single_steps["nothing"], "false_alarm": not single_steps["nothing"]}
