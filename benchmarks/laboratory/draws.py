@@ -168,8 +168,10 @@ def drawn(number: int, seed: int) -> DrawnTest:
     model = bars_of(base)
     true, plan = _true(model, error, rng), _plan(base, model, rng)
     *_, gain, mass, delay, _ = SIZES[error]
+    # One accelerometer that roves has one sensitivity.
+    own = rng.standard_normal(len(plan.listening)) if plan.hammer else [float(rng.standard_normal())]
     deviations = [
-        *(Gain(1 + gain * float(rng.standard_normal()), i) for i in range(len(plan.listening))),
+        *(Gain(1 + gain * float(own[i % len(own)]), i) for i in range(len(plan.listening))),
         Delay(delay * float(rng.standard_normal())),
     ]
     names = tuple(_names(type_, number, plan, rng))

@@ -27,6 +27,7 @@ SMALL = {
     "extraction_job": ["--frfs", "4", "--lines", "801", "--methods", "lscf"],
     "gap_without_cause": ["1"],
     "hammer_modes": ["1", "--points", "20", "--lines", "1601"],
+    "laboratory_trial": ["--only", "5", "--suspects", "gain_error", "--workers", "1"],
     "leaked_errors": ["1", "dobson"],
     "pair_errors": ["1"],
     "resonant_effects": ["--kind", "mounted_resonance", "--count", "1"],
