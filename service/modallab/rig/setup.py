@@ -77,8 +77,11 @@ class RigSetup:
         ):
             if not dofs:
                 raise InvalidInputError(f"a rig needs {part}", field=name, allowed="one DoF or more")
-            if len({dof.point for dof in dofs}) < len(dofs):
-                raise InvalidInputError(f"{part} is named twice", field=name)
+            points = [dof.point for dof in dofs]
+            if twice := [str(point) for point in dict.fromkeys(points) if points.count(point) > 1]:
+                raise InvalidInputError(
+                    f"{part} is named twice", field=name, value=twice, allowed="each once, whatever its sense"
+                )
             for dof in dofs:
                 if not dof.translational:
                     raise InvalidInputError(

@@ -51,6 +51,9 @@ BEYOND_A_SCHEMA = {
     ("/v1/structures/{id}/changes", "factor"),
     ("/v1/structures/{id}/changes", "value"),
     ("/v1/rigs", "drive"),
+    # 3:X and 3:+X are one DoF
+    ("/v1/rigs", "drives"),
+    ("/v1/rigs", "responses"),
     ("/v1/rigs", "stinger"),
     ("/v1/rigs", "exciter.coil"),
     ("/v1/modal-models/import", "shape"),
