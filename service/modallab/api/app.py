@@ -44,9 +44,12 @@ def job_book(settings: ServiceSettings) -> JobBook:
 
 def durable_runner(settings: ServiceSettings) -> DurableRunner:
     """Return the runner that the settings name; with role `api` it only submits."""
-    executor_id = settings.executor_id if settings.role == "all" else None
     return DurableRunner(
-        job_book(settings), settings.store_place, settings.job_place, executor_id=executor_id
+        job_book(settings),
+        settings.store_place,
+        settings.job_place,
+        executor_id=settings.executor_id,
+        runs=settings.role == "all",
     )
 
 

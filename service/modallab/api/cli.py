@@ -2,6 +2,7 @@
 
 import os
 import shlex
+import signal
 import sqlite3
 import subprocess
 import sys
@@ -22,7 +23,9 @@ Data = Annotated[Path | None, typer.Option(help="Folder for arrays and the embed
 Host = Annotated[str | None, typer.Option(help="Address to listen on.")]
 Port = Annotated[int | None, typer.Option(help="Port to listen on.")]
 Role = Annotated[str | None, typer.Option(help="`all`, or `api`: leave the jobs to `modallab worker`.")]
-Executor = Annotated[str | None, typer.Option(help="A lasting name, one a process that runs jobs.")]
+Executor = Annotated[
+    str | None, typer.Option(help="A name among the processes that run jobs; else from host and process.")
+]
 
 _THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
@@ -118,7 +121,9 @@ def worker(data: Data = None, executor_id: Executor = None) -> None:
 
     async def work() -> None:
         async with durable_runner(settings):
-            await anyio.sleep_forever()
+            with anyio.open_signal_receiver(signal.SIGTERM, signal.SIGINT) as signals:
+                async for _ in signals:
+                    return  # jobs under way go back to the queue
 
     anyio.run(work)
 

@@ -23,8 +23,11 @@ class ServiceSettings(BaseSettings):
     database_url: str | None = Field(default=None, description="postgresql://...; else SQLite in `data`")
     database_schema: str = Field(default="modallab", pattern=r"^[a-z][a-z0-9_]{0,40}$")
     role: Literal["all", "api"] = Field(default="all", description="`api` leaves jobs to `modallab worker`")
-    executor_id: str = Field(
-        default="local", min_length=1, description="a lasting name, one a process that runs jobs"
+    executor_id: str | None = Field(
+        default=None,
+        min_length=1,
+        max_length=128,
+        description="a name for this process among those that run jobs; else from host and process",
     )
     queue_length: int = Field(default=100, ge=1, description="jobs that may wait")
     body_limit: int = Field(default=5_000_000, ge=1, description="bytes of a JSON request")

@@ -32,6 +32,7 @@ class JobBook:
             "fraction": 0.0,
             "message": "",
             "result_id": new_id(),
+            "restarts": 0,
         }
         queue_length = sa.select(sa.func.count()).where(JOBS.c.state == JobState.QUEUED.value)
         with self._engine.begin() as connection:
@@ -72,6 +73,13 @@ class JobBook:
         """Write how far a job is and tell whether it is still wanted."""
         return self._change(job_id, fraction=fraction, message=message)
 
+    def count_restart(self, job_id: str) -> int:
+        """Count a restart of a job, and return how many there were."""
+        update = JOBS.update().where(JOBS.c.id == job_id).values(restarts=JOBS.c.restarts + 1)
+        with self._engine.begin() as connection:
+            connection.execute(update)
+            return int(connection.execute(sa.select(JOBS.c.restarts).where(JOBS.c.id == job_id)).scalar_one())
+
     def succeed(self, job_id: str) -> bool:
         """End a job whose result is stored."""
         return self._change(job_id, state=JobState.SUCCEEDED.value, fraction=1.0)
@@ -91,4 +99,5 @@ class JobBook:
 
 
 def _job(row: Mapping[str, Any]) -> Job:
-    return Job(**dict(row, state=JobState(row["state"])))
+    fields = {name: value for name, value in row.items() if name != "restarts"}
+    return Job(**dict(fields, state=JobState(row["state"])))

@@ -1,7 +1,7 @@
 """Jobs that outlive any process: the only file that knows DBOS.
 
 The book (`jobs.book`) holds what a job is and how far it is; DBOS holds that it must still be done.
-Both a crash between the two and the death of a worker are mended at the next start.
+What a crash leaves between the two, and what a lost worker leaves, a reconciler mends (`jobs.reconciler`).
 """
 
 import json
@@ -12,19 +12,24 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Self
 
+import anyio
 import sqlalchemy as sa
 import structlog
 from anyio import BrokenWorkerProcess, to_thread
 from dbos import DBOS, DBOSClient, Serializer
 from dbos import error as dbos_error
+from sqlalchemy.exc import DBAPIError
 
 from modallab.jobs.book import JobBook
+from modallab.jobs.executors import Executor, ExecutorBook
+from modallab.jobs.outages import patiently
 from modallab.jobs.processes import WorkerProcesses
+from modallab.jobs.reconciler import Reconciler
 from modallab.jobs.runner import Job
 from modallab.jobs.settings import JOB
-from modallab.jobs.work import INTERNAL, count_shares, perform, perform_share
+from modallab.jobs.work import INTERNAL, TIME_LIMIT, count_shares, perform, perform_share
 from modallab.store.engine import make_engine
-from modallab.store.place import StorePlace
+from modallab.store.place import StorePlace, engine_of
 
 _NAME = "modallab"
 _QUEUE = "jobs"
@@ -33,6 +38,7 @@ _SHARES = "shares"
 # Jobs go on only under the version they were queued under. It names the shape of the workflow
 # below, not of modallab: an upgrade must not strand the jobs that wait.
 _VERSION = "1"
+_UNFINISHED = ("PENDING", "ENQUEUED", "DELAYED")
 _log = structlog.get_logger()
 Result = Any  # plain values of a share
 
@@ -72,6 +78,7 @@ _step = partial(
     retries_allowed=True,
     max_attempts=JOB.max_attempts,
     interval_seconds=0.1,
+    backoff_rate=JOB.attempt_backoff,
     should_retry=_broke,
 )
 
@@ -79,7 +86,12 @@ _step = partial(
 @_step(name="perform")
 async def _perform(job_id: str, shares: Sequence[Result] | None) -> None:
     assert _site is not None
-    fault = await _site.processes.run(perform, _site.place, job_id, shares)
+    try:
+        with anyio.fail_after(JOB.time_limit):
+            fault = await _site.processes.run(perform, _site.place, job_id, shares)
+    except TimeoutError:
+        await to_thread.run_sync(patiently, _site.book.fail, job_id, TIME_LIMIT)
+        return
     if fault is not None:
         _log.error("job failed", job=job_id, fault=fault)
 
@@ -93,7 +105,8 @@ async def _perform_share(job_id: str, index: int) -> Result:
     return result
 
 
-@DBOS.workflow(name="share", max_recovery_attempts=5)
+# A restart of the service is no attempt of the job.
+@DBOS.workflow(name="share", max_recovery_attempts=None)
 async def _share(job_id: str, index: int) -> Result:
     try:
         return await _perform_share(job_id, index)
@@ -106,26 +119,27 @@ async def _results_of_shares(job_id: str) -> Sequence[Result] | None:
     """Return the results of a job's shares, in order; None if it has no shares."""
     assert _site is not None
     book = _site.book
-    n = count_shares(await to_thread.run_sync(book.get, job_id))
+    n = count_shares(await to_thread.run_sync(patiently, book.get, job_id))
     if n == 0:
         return None
-    await to_thread.run_sync(book.progress, job_id, 0.0, f"0 of {n} runs")
+    await to_thread.run_sync(patiently, book.progress, job_id, 0.0, f"0 of {n} runs")
     workflows = [await DBOS.enqueue_workflow_async(_SHARES, _share, job_id, index) for index in range(n)]
     results: list[Result] = []
     for share in workflows:
         results.append(await share.get_result(polling_interval_sec=JOB.polling_interval))
-        await to_thread.run_sync(book.progress, job_id, len(results) / n, f"{len(results)} of {n} runs")
+        done = f"{len(results)} of {n} runs"
+        await to_thread.run_sync(patiently, book.progress, job_id, len(results) / n, done)
     return results
 
 
-@DBOS.workflow(name="job", max_recovery_attempts=5)
+@DBOS.workflow(name="job", max_recovery_attempts=None)
 async def _job(job_id: str) -> None:
     assert _site is not None
     try:
         await _perform(job_id, await _results_of_shares(job_id))
     except dbos_error.DBOSMaxStepRetriesExceeded:
         _log.error("the worker process died under a job again and again", job=job_id)
-        await to_thread.run_sync(_site.book.fail, job_id, INTERNAL)
+        await to_thread.run_sync(patiently, _site.book.fail, job_id, INTERNAL)
 
 
 class _Quiet(logging.Filter):
@@ -160,21 +174,89 @@ class JobPlace:
             DBOS.migrate(url.render_as_string(hide_password=False), schema=self.schema)
 
 
-class DurableRunner:
-    """Submits jobs, and runs them where it has the name of an executor."""
+class _Engine:
+    """What the reconciler asks of DBOS, see `jobs.reconciler.Engine`."""
 
-    def __init__(self, book: JobBook, place: StorePlace, jobs: JobPlace, *, executor_id: str | None) -> None:
-        self._book, self._place, self._jobs, self._executor_id = book, place, jobs, executor_id
+    def __init__(self, client: DBOSClient) -> None:
+        self._client = client
+
+    def states(self, job_ids: Sequence[str]) -> dict[str, bool]:
+        found = self._client.list_workflows(workflow_ids=list(job_ids), load_input=False, load_output=False)
+        return {workflow.workflow_id: workflow.status in _UNFINISHED for workflow in found}
+
+    def unfinished(self) -> set[str]:
+        found = self._client.list_workflows(
+            name="job", status=list(_UNFINISHED), load_input=False, load_output=False
+        )
+        return {workflow.workflow_id for workflow in found}
+
+    def owners(self) -> set[str]:
+        pending = self._client.list_workflows(status="PENDING", load_input=False, load_output=False)
+        return {workflow.executor_id for workflow in pending if workflow.executor_id}
+
+    def enqueue(self, job_id: str) -> None:
+        self._client.enqueue(
+            {"workflow_name": "job", "queue_name": _QUEUE, "workflow_id": job_id, "app_version": _VERSION},
+            job_id,
+        )
+
+    def restart(self, job_id: str) -> None:
+        self._client.rewind_workflow(job_id, application_version=_VERSION, queue_name=_QUEUE)
+
+    def stop(self, job_id: str) -> None:
+        self._client.cancel_workflow(job_id, cancel_children=True)
+
+    def recover(self, executor_ids: Sequence[str]) -> None:
+        pending = self._client.list_workflows(
+            status="PENDING", executor_id=list(executor_ids), load_input=False, load_output=False
+        )
+        for workflow in pending:
+            # Only while it is still that executor's: two that take over at once disturb nothing.
+            self._client._sys_db.reenqueue_for_recovery(workflow.workflow_id, list(executor_ids), _QUEUE)
+
+
+class DurableRunner:
+    """Submits jobs, and runs them as an executor unless it only submits.
+
+    Parameters
+    ----------
+    executor_id
+        Name of this process among those that run jobs; None: made from host and process.
+    runs
+        Whether it runs jobs.
+    """
+
+    def __init__(
+        self,
+        book: JobBook,
+        place: StorePlace,
+        jobs: JobPlace,
+        *,
+        executor_id: str | None = None,
+        runs: bool = True,
+    ) -> None:
+        self._book, self._place, self._jobs = book, place, jobs
+        self._executor = Executor.here(executor_id) if runs else None
+        self._executors = ExecutorBook(engine_of(place))
         self._engine = make_engine(jobs.url, schema=jobs.schema)
         self._client: DBOSClient | None = None
+        self._reconciler: Reconciler | None = None
 
     async def __aenter__(self) -> Self:
-        """Start, and take up what was left undone."""
-        if self._executor_id is not None:
-            await self._launch(self._executor_id)
+        """Start, and take up what was left undone.
+
+        Raises
+        ------
+        ExecutorTakenError
+            If another process runs jobs under the same name.
+        """
+        if self._executor is not None:
+            await to_thread.run_sync(self._executors.enter, self._executor)
+            await self._launch(self._executor.id)
         self._client = await to_thread.run_sync(self._connect)
-        if self._executor_id is not None:
-            await to_thread.run_sync(self._mend)
+        if self._executor is not None:
+            self._reconciler = Reconciler(self._executor, self._executors, self._book, _Engine(self._client))
+            await to_thread.run_sync(self._reconciler.start)
         return self
 
     def _connect(self) -> DBOSClient:
@@ -222,39 +304,33 @@ class DurableRunner:
             on_conflict="always_update",
         )
 
-    def _mend(self) -> None:
-        """Queue jobs of the book that DBOS never heard of, and end those that it gave up."""
-        assert self._client is not None
-        active = self._book.active()
-        workflows = self._client.list_workflows(workflow_ids=active, load_input=False) if active else []
-        status = {workflow.workflow_id: workflow.status for workflow in workflows}
-        for job_id in active:
-            if job_id not in status:
-                self._enqueue(job_id)
-            elif status[job_id] not in ("PENDING", "ENQUEUED", "DELAYED"):
-                self._book.fail(job_id, INTERNAL)
-
     async def __aexit__(self, *exception: object) -> None:
-        """Stop; jobs under way go on at the next start."""
+        """Stop; jobs under way are queued anew, for whichever executor is free."""
+        if self._reconciler is not None:
+            await to_thread.run_sync(self._reconciler.stop)
+        if self._executor is not None:
+            await to_thread.run_sync(DBOS.destroy)
+            if _site is not None:
+                await _site.processes.leave()
+            await to_thread.run_sync(self._hand_back, self._executor)
         if self._client is not None:
             await to_thread.run_sync(self._client.destroy)
-        if self._executor_id is not None:
-            await to_thread.run_sync(DBOS.destroy)
-            assert _site is not None
-            await _site.processes.leave()
         self._engine.dispose()
 
-    def _enqueue(self, job_id: str) -> None:
-        assert self._client is not None
-        self._client.enqueue(
-            {"workflow_name": "job", "queue_name": _QUEUE, "workflow_id": job_id, "app_version": _VERSION},
-            job_id,
-        )
+    def _hand_back(self, executor: Executor) -> None:
+        """Queue anew what this process was working on, and leave the executors."""
+        try:
+            if self._client is not None:
+                _Engine(self._client).recover([executor.id])
+            self._executors.remove(executor)
+        except DBAPIError as error:  # the others will take this process for lost
+            _log.warning("jobs could not be handed back", error=str(error).splitlines()[0])
 
     def submit(self, task: str, arguments: Mapping[str, Any], *, owner: str) -> Job:
         """Queue a task and return its job."""
         job = self._book.open(task, arguments, owner=owner)
-        self._enqueue(job.id)
+        assert self._client is not None
+        _Engine(self._client).enqueue(job.id)
         return job
 
     def get(self, job_id: str, *, owner: str) -> Job:

@@ -13,10 +13,43 @@ class JobSettings(Settings):
         0.1, unit="s", doc="time until a queued job starts", derived="short beside the shortest job"
     )
     max_attempts: int = setting(
-        3,
+        14,
         unit="attempts",
         doc="attempts of a job whose worker process dies",
-        derived="a job that kills its process three times would do so again",
+        derived="an operator's kills do not count as the job's own fault; one that dies of itself ends",
+    )
+    attempt_backoff: float = setting(
+        1.4, doc="ratio of the pauses between attempts", derived="0.1 s first, 21 s in all"
+    )
+    max_restarts: int = setting(
+        5,
+        unit="restarts",
+        doc="restarts of a job that the engine has ended and the book has not",
+        derived="faults of the database at its end; not restarts of the service, which are not counted",
+    )
+    beat_interval: float = setting(
+        2.0, unit="s", doc="time between two signs of life of an executor", derived="a row every two seconds"
+    )
+    lost_after: float = setting(
+        15.0,
+        unit="s",
+        doc="time without a sign of life after which an executor is lost",
+        derived="several beats, so that a busy machine is not; jobs move within 30 s",
+    )
+    outage_pause: float = setting(
+        0.5, unit="s", doc="first pause before work is tried anew while the database is away", derived="short"
+    )
+    longest_outage_pause: float = setting(
+        5.0, unit="s", doc="longest such pause", derived="work goes on soon after the database is back"
+    )
+    longest_outage: float = setting(
+        600.0, unit="s", doc="time for which work waits for the database", derived="a restart of a server"
+    )
+    time_limit: float = setting(
+        6 * 3600.0,
+        unit="s",
+        doc="longest time that a worker process has for a job or a share",
+        derived="many times the longest job known; what stands still is not waited for any longer",
     )
     progress_interval: float = setting(
         0.1, unit="s", doc="time between two entries of progress in the book", derived="ten a second are read"

@@ -9,6 +9,7 @@ from typing import Any, cast
 from modallab.core.errors import CancelledError, ModalLabError, sentence
 from modallab.jobs.book import JobBook
 from modallab.jobs.destination import Destination
+from modallab.jobs.outages import is_outage, patiently
 from modallab.jobs.runner import Job
 from modallab.jobs.settings import JOB
 from modallab.jobs.tasks import SHARES_BY_TASK, TASKS
@@ -43,13 +44,21 @@ class Reporter:
             raise CancelledError("the job is not wanted any more")
 
     def _entered(self, fraction: float, message: str) -> bool:
+        try:
+            return self._written_down(fraction, message)
+        except Exception as error:
+            if is_outage(error):  # the work goes on, and its owner hears of it later
+                return True
+            raise
+
+    def _written_down(self, fraction: float, message: str) -> bool:
         return self._book.progress(self._job_id, min(max(fraction, 0.0), 1.0), message)
 
 
 class ShareReporter(Reporter):
     """Progress callback of a share: it stops with its job; the job's own worker reports progress."""
 
-    def _entered(self, fraction: float, message: str) -> bool:
+    def _written_down(self, fraction: float, message: str) -> bool:
         return self._book.is_active(self._job_id)
 
 
@@ -63,6 +72,10 @@ def perform_share(place: StorePlace, job_id: str, index: int) -> tuple[Json, str
 
     A module-level function of plain values, as `perform`.
     """
+    return patiently(_performed_share, place, job_id, index)
+
+
+def _performed_share(place: StorePlace, job_id: str, index: int) -> tuple[Json, str | None]:
     book = JobBook(engine_of(place), queue_length=0)
     if not book.start(job_id):
         return None, None
@@ -74,7 +87,9 @@ def perform_share(place: StorePlace, job_id: str, index: int) -> tuple[Json, str
         ), None
     except ModalLabError:
         return None, None  # not wanted; or what the rest of the job will say too
-    except Exception:
+    except Exception as error:
+        if is_outage(error):
+            raise
         return None, traceback.format_exc()
 
 
@@ -88,7 +103,16 @@ def perform(place: StorePlace, job_id: str, shares: Sequence[Json] | None = None
     ----------
     shares
         Of a task that has any, what workers made of them.
+
+    Raises
+    ------
+    DBAPIError
+        If the database stays away; until then the work is done anew.
     """
+    return patiently(_performed, place, job_id, shares)
+
+
+def _performed(place: StorePlace, job_id: str, shares: Sequence[Json] | None) -> str | None:
     book = JobBook(engine_of(place), queue_length=0)
     if not book.start(job_id):
         return None
@@ -100,15 +124,23 @@ def perform(place: StorePlace, job_id: str, shares: Sequence[Json] | None = None
     except CancelledError:
         return None
     except ModalLabError as error:
-        book.fail(job_id, describe(error))
+        patiently(book.fail, job_id, describe(error))
         return None
-    except Exception:
-        book.fail(job_id, INTERNAL)
+    except Exception as error:
+        if is_outage(error):
+            raise
+        patiently(book.fail, job_id, INTERNAL)
         return traceback.format_exc()
-    book.succeed(job_id)
+    patiently(book.succeed, job_id)
     return None
 
 
+TIME_LIMIT: Mapping[str, Any] = {
+    "code": "time_limit",
+    "title": "TimeLimitError",
+    "detail": f"the job took longer than {JOB.time_limit / 3600:.0f} hours, which is as long as one may take",
+    "context": {"allowed": JOB.time_limit},
+}
 INTERNAL: Mapping[str, Any] = {
     "code": "internal",
     "title": "InternalError",

@@ -57,4 +57,16 @@ JOBS = sa.Table(
     sa.Column("message", sa.Text, nullable=False),
     sa.Column("result_id", sa.String(64), nullable=False),  # fixed at submission
     sa.Column("error", sa.JSON(none_as_null=True)),
+    sa.Column("restarts", sa.Integer, nullable=False, server_default="0"),
+)
+
+# Processes that run jobs, each with a counter that rises while it lives.
+EXECUTORS = sa.Table(
+    "executors",
+    METADATA,
+    sa.Column("id", sa.String(128), primary_key=True),
+    sa.Column("holder", sa.String(32), nullable=False),
+    sa.Column("host", sa.String(256), nullable=False),
+    sa.Column("pid", sa.Integer, nullable=False),
+    sa.Column("beat", sa.BigInteger, nullable=False),
 )

@@ -5,6 +5,7 @@ import os
 import signal
 import time
 from collections.abc import Awaitable, Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -21,7 +22,9 @@ from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.synthetic_modes import ModeNoise, synthetic_modes
 from modallab.jobs.book import JobBook
 from modallab.jobs.durable import DurableRunner, JobPlace
+from modallab.jobs.executors import ExecutorBook, ExecutorTakenError
 from modallab.jobs.runner import Job, JobState
+from modallab.jobs.settings import JOB
 from modallab.jobs.studying import StudyInputs
 from modallab.jobs.tasks import STUDY
 from modallab.store.place import StorePlace, engine_of, open_store
@@ -228,23 +231,61 @@ def test_a_job_in_the_book_that_was_never_queued_is_queued_at_the_next_start(pla
     run(places, work)
 
 
-def test_a_job_that_the_engine_gave_up_is_failed_at_the_next_start(places: Places) -> None:
-    jobs: list[Job] = []
+def test_a_job_that_the_engine_ended_behind_the_book_is_done_all_the_same(places: Places) -> None:
+    async def work(runner: DurableRunner) -> None:
+        given = arguments(places, UpdateOptions(max_iterations=2))
+        job = await to_thread.run_sync(partial(runner.submit, "update_and_store", given, owner="me"))
+        assert runner._client is not None
+        await to_thread.run_sync(runner._client.cancel_workflow, job.id)
+        ended = await until(runner, job, lambda j: j.state.final)
+        assert ended.state is JobState.SUCCEEDED, ended
 
-    async def give_up(runner: DurableRunner) -> None:
+    run(places, work)
+
+
+def test_a_job_that_is_ended_again_and_again_fails(places: Places, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("modallab.jobs.reconciler.JOB", replace(JOB, max_restarts=0))
+
+    async def work(runner: DurableRunner) -> None:
         given = arguments(places, ENDLESS)
         job = await to_thread.run_sync(partial(runner.submit, "update_and_store", given, owner="me"))
         await until(runner, job, lambda j: j.fraction > 0)
         assert runner._client is not None
-        await to_thread.run_sync(runner._client.cancel_workflow, job.id)  # behind the book's back
-        await anyio.sleep(1.5)
-        jobs.append(job)
-
-    async def work(runner: DurableRunner) -> None:
-        ended = await until(runner, jobs[0], lambda j: j.state.final)
+        await to_thread.run_sync(runner._client.cancel_workflow, job.id)
+        ended = await until(runner, job, lambda j: j.state.final)
         assert ended.state is JobState.FAILED
         assert ended.error is not None
         assert ended.error["code"] == "internal"
 
-    run(places, give_up)
     run(places, work)
+
+
+def test_what_ran_on_a_lost_executor_runs_on_another(places: Places) -> None:
+    jobs: list[Job] = []
+
+    async def begin(runner: DurableRunner) -> None:
+        given = arguments(places, UpdateOptions(max_iterations=2))
+        assert runner._client is not None
+        job = book_at(places).open("update_and_store", given, owner="me")
+        jobs.append(job)
+        await anyio.sleep(0)
+
+    async def go_on(runner: DurableRunner) -> None:
+        ended = await until(runner, jobs[0], lambda j: j.state.final)
+        assert ended.state is JobState.SUCCEEDED, ended
+
+    run(places, begin)
+    run(places, go_on)
+    assert ExecutorBook(engine_of(places[0])).all() == []  # both have left
+
+
+def test_a_second_executor_of_a_name_is_refused(places: Places) -> None:
+    async def main() -> None:
+        first = DurableRunner(book_at(places), *places, executor_id="test")
+        async with first:
+            with pytest.raises(ExecutorTakenError, match="another name"):
+                async with DurableRunner(book_at(places), *places, executor_id="test"):
+                    pass
+
+    anyio.run(main)
+    gc.collect()

@@ -1,0 +1,139 @@
+"""Keeps book and engine of jobs in agreement, and takes over what a lost executor left.
+
+Every executor does so every few seconds: whatever fails, at whatever moment, each job ends without
+anybody's help.
+"""
+
+import os
+import signal
+import threading
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from typing import Protocol
+
+import psutil
+import structlog
+
+from modallab.jobs.book import JobBook
+from modallab.jobs.executors import Executor, ExecutorBook, Watch
+from modallab.jobs.settings import JOB
+from modallab.jobs.work import INTERNAL
+
+_log = structlog.get_logger()
+
+
+class Engine(Protocol):
+    """What a reconciler asks of the engine of jobs."""
+
+    def states(self, job_ids: Sequence[str]) -> dict[str, bool]:
+        """Return whether each job is still to be done, of those that the engine knows."""
+        ...
+
+    def unfinished(self) -> set[str]:
+        """Return the ids of all jobs that the engine has still to do."""
+        ...
+
+    def owners(self) -> set[str]:
+        """Return the names of the executors that jobs run on."""
+        ...
+
+    def enqueue(self, job_id: str) -> None:
+        """Queue a job that the engine does not know."""
+        ...
+
+    def restart(self, job_id: str) -> None:
+        """Queue a job anew that the engine has ended."""
+        ...
+
+    def stop(self, job_id: str) -> None:
+        """Stop a job that is not wanted any more."""
+        ...
+
+    def recover(self, executor_ids: Sequence[str]) -> None:
+        """Queue anew what ran on lost executors."""
+        ...
+
+
+def end_stopped_children() -> None:
+    """Kill the worker processes that something has stopped: their work is then done in another."""
+    for child in psutil.Process().children():
+        with suppress(psutil.NoSuchProcess):
+            if child.status() == psutil.STATUS_STOPPED:
+                _log.error("a worker process stands still and is ended", pid=child.pid)
+                child.kill()
+
+
+class Reconciler:
+    """A thread that beats for an executor and mends what others left."""
+
+    def __init__(self, executor: Executor, executors: ExecutorBook, book: JobBook, engine: Engine) -> None:
+        self._executor, self._executors, self._book, self._engine = executor, executors, book, engine
+        self._watch = Watch()
+        self._suspects: dict[str, set[str]] = {}
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="reconciler", daemon=True)
+
+    def start(self) -> None:
+        """Mend at once, and then every few seconds."""
+        self.mend()
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Stop."""
+        self._ended.set()
+        self._thread.join()
+
+    def _run(self) -> None:
+        while not self._ended.wait(JOB.beat_interval):
+            try:
+                if not self._executors.beat(self._executor):
+                    _log.error("another process took this executor's name", executor=self._executor.id)
+                    os.kill(os.getpid(), signal.SIGTERM)
+                    return
+                end_stopped_children()
+                self.mend()
+            except Exception as error:  # the database is away, say: the next beat tries again
+                _log.warning("jobs could not be reconciled", error=str(error).splitlines()[0])
+
+    def mend(self) -> None:
+        """Take over what lost executors left, and make book and engine agree."""
+        self._take_over()
+        active = set(self._book.active())
+        states = self._engine.states(sorted(active)) if active else {}
+        unknown = {job_id for job_id in active if job_id not in states}
+        ended = {job_id for job_id in active if states.get(job_id) is False}
+        unwanted = self._engine.unfinished() - active
+        self._settle("unknown", unknown, self._engine.enqueue, active=True)
+        self._settle("ended", ended, self._restart, active=True)
+        self._settle("unwanted", unwanted, self._engine.stop, active=False)
+
+    def _take_over(self) -> None:
+        executors = self._executors.all()
+        lost = self._watch.lost([e for e in executors if e.holder != self._executor.holder])
+        strangers = self._engine.owners() - {executor.id for executor in executors} - {self._executor.id}
+        gone = {executor.id for executor in lost} | strangers
+        if gone:
+            _log.info("jobs of lost executors are queued anew", executors=sorted(gone))
+            self._engine.recover(sorted(gone))
+        for executor in lost:
+            self._executors.remove(executor)
+
+    def _settle(self, what: str, job_ids: set[str], act: Callable[[str], None], *, active: bool) -> None:
+        """Act on jobs that were found so twice: once may be the moment between two entries.
+
+        Parameters
+        ----------
+        active
+            Whether the book has still to have them as active.
+        """
+        for job_id in job_ids & self._suspects.get(what, set()):
+            if self._book.is_active(job_id) is active:
+                act(job_id)
+        self._suspects[what] = job_ids
+
+    def _restart(self, job_id: str) -> None:
+        """Queue a job anew that the engine has ended and the book has not."""
+        if self._book.count_restart(job_id) > JOB.max_restarts:
+            self._book.fail(job_id, INTERNAL)
+        else:
+            self._engine.restart(job_id)

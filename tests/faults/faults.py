@@ -1,0 +1,99 @@
+"""What befalls a site while a job runs; nobody starts or stops anything but a supervisor, as on a server."""
+
+import signal
+import sqlite3
+import time
+from collections.abc import Callable
+from contextlib import closing
+
+from tests.faults.site import Site
+
+Fault = Callable[[Site], None]
+
+
+def child_killed(site: Site) -> None:
+    """Kill every worker process."""
+    site.hit(signal.SIGKILL)
+
+
+def child_killed_ten_times(site: Site) -> None:
+    """Kill every worker process ten times."""
+    for _ in range(10):
+        site.hit(signal.SIGKILL)
+        time.sleep(0.7)
+
+
+def child_stopped(site: Site) -> None:
+    """Stop every worker process as a debugger does."""
+    site.hit(signal.SIGSTOP)
+
+
+def hosts_killed(site: Site) -> None:
+    """Kill all that runs jobs; a supervisor starts it anew."""
+    for host in list(site.hosts):
+        host.kill()
+        host.wait()
+    site.hosts.clear()
+    site.start_host()
+
+
+def one_host_killed(site: Site) -> None:
+    """Kill the first of two hosts for good."""
+    site.hosts[0].kill()
+    site.hosts[0].wait()
+
+
+def hosts_replaced(site: Site) -> None:
+    """End each host politely once another stands beside it: a rolling restart with new names."""
+    for host in list(site.hosts):
+        if site.gate:
+            site.start_host()
+        host.send_signal(signal.SIGTERM)
+        begin = time.monotonic()
+        host.wait(20)
+        assert time.monotonic() - begin < 8, "a host took long to end"
+        site.hosts.remove(host)
+        if not site.gate:
+            site.start_host()
+
+
+def database_away(seconds: float) -> Fault:
+    """Return the fault that the database is away for a time."""
+
+    def fault(site: Site) -> None:
+        assert site.gate
+        with site.gate.shut():
+            time.sleep(seconds)
+
+    return fault
+
+
+def writer_lock(seconds: float) -> Fault:
+    """Return the fault that another program holds the database for a time."""
+
+    def fault(site: Site) -> None:
+        with closing(sqlite3.connect(site.data / "modallab.sqlite", isolation_level=None)) as other:
+            other.execute("BEGIN IMMEDIATE")
+            time.sleep(seconds)
+            other.execute("ROLLBACK")
+
+    return fault
+
+
+EVERYWHERE: dict[str, Fault] = {
+    "child killed": child_killed,
+    "child killed ten times": child_killed_ten_times,
+    "child stopped": child_stopped,
+    "hosts killed": hosts_killed,
+    "hosts replaced": hosts_replaced,
+}
+FAULTS: dict[str, dict[str, Fault]] = {
+    "sqlite": {**EVERYWHERE, "writer lock of 45 s": writer_lock(45.0)},
+    "postgresql": {
+        **EVERYWHERE,
+        "one host killed": one_host_killed,
+        "database away for 5 s": database_away(5.0),
+        "database away for 45 s": database_away(45.0),
+        "database away for 120 s": database_away(120.0),
+    },
+}

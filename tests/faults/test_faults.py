@@ -1,0 +1,42 @@
+"""Jobs end by themselves, with the same results, whatever befalls what runs them; one moment a fault."""
+
+import time
+from collections.abc import Iterator
+
+import pytest
+
+from tests.faults.__main__ import disturbed
+from tests.faults.faults import FAULTS
+from tests.faults.site import Question, Site, questions, site
+
+LONG = ("away for 45 s", "away for 120 s")  # `python -m tests.faults` has these too
+Ready = tuple[Site, list[Question], list[object]]
+
+
+@pytest.fixture(scope="module", params=FAULTS)
+def ready(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Ready]:
+    """A site, and what its jobs find undisturbed."""
+    with site(request.param, tmp_path_factory.mktemp("faults")) as place:
+        asked = questions(place.lab)
+        yield place, asked, [q.result(place.lab, q.start(place.lab)) for q in asked]
+
+
+@pytest.mark.parametrize("name", dict.fromkeys(name for faults in FAULTS.values() for name in faults))
+def test_a_disturbed_job_ends_with_the_same_result(ready: Ready, name: str) -> None:
+    place, asked, expected = ready
+    fault = FAULTS["postgresql" if place.gate else "sqlite"].get(name)
+    if fault is None or name.endswith(LONG):
+        pytest.skip("of the other database, or too long for the suite")
+    while place.gate and len(place.hosts) < 2:
+        place.start_host()
+    i = sum(map(ord, name)) % len(asked)
+    found, _ = disturbed(place, asked[i], fault, 0.6)
+    place.hosts[:] = [host for host in place.hosts if host.poll() is None]
+    assert found == expected[i]
+
+
+def test_book_and_engine_agree_in_the_end(ready: Ready) -> None:
+    end = time.monotonic() + 20
+    while ready[0].unfinished() != (0, 0) and time.monotonic() < end:
+        time.sleep(0.2)
+    assert ready[0].unfinished() == (0, 0)
