@@ -162,6 +162,7 @@ BY_CODE: dict[str, type[ClientError]] = {
     "cancelled": CancelledError,
     "conflict": ConflictError,
     "in_use": ConflictError,
+    "key_reused": ConflictError,
     "too_large": TooLargeError,
     "content_too_large": TooLargeError,
     "busy": BusyError,

@@ -133,3 +133,15 @@ def test_an_asynchronous_job_does_the_same(service: FakeService) -> None:
             return await (await lab.measurements.start("s1", "r1")).result(timeout=60)
 
     assert asyncio.run(measure()).id == "m1"
+
+
+def test_jobs_are_listed_over_all_pages_and_cancelled_together(lab: ModalLab, service: FakeService) -> None:
+    pages: list[dict[str, Any]] = [
+        {"items": [state("running")], "next": "j1"},
+        {"items": [DONE], "next": None},
+    ]
+    service.on("GET /v1/jobs", *pages)
+    service.on("DELETE /v1/jobs", {"cancelled": ["j1"]})
+    assert [job.state for job in lab.jobs.list(kind="measurement")] == ["running", "succeeded"]
+    assert service.asked("GET /v1/jobs") == 2
+    assert lab.jobs.cancel_all() == ("j1",)

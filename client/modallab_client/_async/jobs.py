@@ -8,6 +8,7 @@ from typing import Generic, TypeVar
 
 from modallab_client import _wire
 from modallab_client._async.transport import AsyncTransport
+from modallab_client._generated.models import CancelledJobs, JobPage
 from modallab_client._waiting import async_closing, async_sleep
 from modallab_client.errors import JobTimeoutError, UnexpectedReplyError, UnreachableError
 from modallab_client.results import JobStatus
@@ -28,9 +29,40 @@ class AsyncJobs:
         """Return where a job stands."""
         return _wire.reply(JobStatus, await self._transport.request("GET", f"/v1/jobs/{job_id}"))
 
+    async def list(self, *, state: str | None = None, kind: str | None = None) -> tuple[JobStatus, ...]:
+        """Return jobs, newest first.
+
+        Parameters
+        ----------
+        state
+            `queued`, `running`, `succeeded`, `failed` or `cancelled`; None: any.
+        kind
+            What they make: `measurement`, `modal_model`, `update`, `diagnosis` or `study`; None: anything.
+        """
+        collected: tuple[JobStatus, ...] = ()
+        cursor: str | None = None
+        while True:
+            params = _wire.body(state=state, kind=kind, after=cursor)
+            page = _wire.reply(JobPage, await self._transport.request("GET", "/v1/jobs", params=params))
+            collected += tuple(page.items)
+            cursor = page.next
+            if cursor is None:
+                return collected
+
     async def cancel(self, job_id: str) -> None:
         """Ask a job to stop."""
         await self._transport.request("DELETE", f"/v1/jobs/{job_id}")
+
+    async def cancel_all(self, *, kind: str | None = None) -> tuple[str, ...]:
+        """Ask all waiting and running jobs to stop, and return their ids.
+
+        Parameters
+        ----------
+        kind
+            What the jobs make, as in `list`; None: anything.
+        """
+        reply = await self._transport.request("DELETE", "/v1/jobs", params=_wire.body(kind=kind))
+        return tuple(_wire.reply(CancelledJobs, reply).cancelled)
 
 
 @dataclass(frozen=True)

@@ -196,6 +196,8 @@ class JobStatus(JobStatusMethods):
 
     created: str
     """ISO 8601, UTC, time of the request."""
+    ended: str | None
+    """ISO 8601, UTC, time of the end; null: the job has not ended."""
     error: Mapping[str, Any] | None
     """Problem document of a failed job; else null."""
     fraction: float
@@ -204,12 +206,18 @@ class JobStatus(JobStatusMethods):
     """Id of the job."""
     message: str
     """Step under way."""
+    place: int | None
+    """1, place in the queue, 1 for the next; null: the job does not wait."""
     result_id: str | None
     """Id of the result; null until the job has succeeded."""
+    started: str | None
+    """ISO 8601, UTC, time at which the work began; null: it waits."""
     state: JobState
     """State of the job."""
     task: str
     """Name of the task, for example `measure_and_store`."""
+    wait_estimate: float | None
+    """s, time until the work may begin, by recent jobs; null: the job does not wait, or nothing is known."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -577,6 +585,24 @@ class Health:
 
     status: str
     """`ok`"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CancelledJobs:
+    """Jobs that were asked to stop."""
+
+    cancelled: tuple[str, ...]
+    """Ids of the jobs."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class JobPage:
+    """Page of a list of jobs."""
+
+    items: tuple[JobStatus, ...]
+    """Jobs, newest first."""
+    next: str | None
+    """Value of `after` for the next page; null at the end."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -116,6 +116,7 @@ def worker(data: Data = None, executor_id: Executor = None) -> None:
 
     from modallab.api import logs
     from modallab.api.app import durable_runner
+    from modallab.jobs.executors import ExecutorTakenError
 
     logs.configure()
 
@@ -125,7 +126,10 @@ def worker(data: Data = None, executor_id: Executor = None) -> None:
                 async for _ in signals:
                     return  # jobs under way go back to the queue
 
-    anyio.run(work)
+    try:
+        anyio.run(work)
+    except ExecutorTakenError as error:
+        raise typer.BadParameter(str(error), param_hint="--executor-id") from None
 
 
 @app.command()

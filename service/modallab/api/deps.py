@@ -1,13 +1,22 @@
 """Dependencies of request handlers."""
 
+from hashlib import sha256
 from typing import Annotated
 
-from fastapi import Depends, Path, Query, Request
+from fastapi import Depends, Header, Path, Query, Request
 from pydantic import StringConstraints
 
 from modallab.api.settings import ServiceSettings
-from modallab.jobs.runner import JobRunner
+from modallab.jobs.runner import JobRunner, RequestKey
 from modallab.store.base import Store
+
+IdempotencyKey = Annotated[
+    str | None,
+    Header(
+        pattern=r"^[!-~]{1,128}$",
+        description="name of the request: with the same name and body again, the same job is returned",
+    ),
+]
 
 # `async`, although they wait for nothing: plain functions would each take a thread.
 
@@ -22,6 +31,13 @@ async def _jobs(request: Request) -> JobRunner:
     return jobs
 
 
+async def _request_key(request: Request, idempotency_key: IdempotencyKey = None) -> RequestKey | None:
+    if idempotency_key is None:
+        return None
+    digest = sha256(f"{request.method} {request.url.path}\n".encode() + await request.body())
+    return RequestKey(idempotency_key, digest.hexdigest())
+
+
 async def _settings(request: Request) -> ServiceSettings:
     settings: ServiceSettings = request.app.state.settings
     return settings
@@ -34,6 +50,7 @@ async def _owner() -> str:
 StoreDep = Annotated[Store, Depends(_store)]
 JobsDep = Annotated[JobRunner, Depends(_jobs)]
 SettingsDep = Annotated[ServiceSettings, Depends(_settings)]
+RequestKeyDep = Annotated[RequestKey | None, Depends(_request_key)]
 OwnerDep = Annotated[str, Depends(_owner)]
 
 Id = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_-]{1,64}$")]

@@ -2,25 +2,45 @@
 
 from collections.abc import AsyncIterator
 from functools import partial
-from typing import Any
+from hashlib import sha256
+from typing import Annotated, Any, Literal
 
 from anyio import sleep, to_thread
-from fastapi import APIRouter, status
+from fastapi import APIRouter, Header, Query, status
 from starlette.responses import StreamingResponse
 
 from modallab.api import problems
-from modallab.api.deps import IdPath, JobsDep, OwnerDep
+from modallab.api.deps import After, IdPath, JobsDep, Limit, OwnerDep
 from modallab.api.limits import JOB_STREAM
 from modallab.api.replies import reply
+from modallab.api.wire import Reply
 from modallab.jobs.runner import Job, JobRunner, JobState
+from modallab.jobs.tasks import DIAGNOSIS, EXTRACTION, MEASUREMENT, STUDY, UPDATE
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])
+LastEventId = Annotated[
+    str | None, Header(pattern=r"^[!-~]{1,128}$", description="id of the last event of an interrupted stream")
+]
 _EVENTS: dict[int | str, dict[str, Any]] = {
     200: {
         "description": "One event a change",
         "content": {"text/event-stream": {"schema": {"type": "string"}}},
     }
 }
+
+
+KINDS = {
+    "measurement": MEASUREMENT.name,
+    "modal_model": EXTRACTION.name,
+    "update": UPDATE.name,
+    "diagnosis": DIAGNOSIS.name,
+    "study": STUDY.name,
+}
+KindOfJob = Annotated[
+    Literal["measurement", "modal_model", "update", "diagnosis", "study"] | None,
+    Query(description="what the jobs make; left out: anything"),
+]
+State = Annotated[JobState | None, Query(description="state of the jobs; left out: any")]
 
 
 JobReply: Any = reply(
@@ -39,6 +59,52 @@ def job_reply(job: Job) -> Any:
     return JobReply.model_validate(vars(job) | {"result_id": result_id, "error": error})
 
 
+class JobPage(Reply):
+    """Page of a list of jobs."""
+
+    items: list[JobReply]
+    """Jobs, newest first."""
+    next: str | None
+    """Value of `after` for the next page; null at the end."""
+
+
+class CancelledJobs(Reply):
+    """Jobs that were asked to stop."""
+
+    cancelled: list[str]
+    """Ids of the jobs."""
+
+
+@router.get("", response_model=JobPage, summary="List jobs")
+def list_jobs(
+    jobs: JobsDep,
+    owner: OwnerDep,
+    state: State = None,
+    kind: KindOfJob = None,
+    limit: Limit = 100,
+    after: After = None,
+) -> JobPage:
+    """Return the jobs page by page, newest first."""
+    task = None if kind is None else KINDS[kind]
+    found = jobs.find(owner=owner, state=state, task=task, limit=limit, cursor=after)
+    return JobPage(
+        items=[job_reply(job) for job in found], next=found[-1].id if len(found) == limit else None
+    )
+
+
+@router.delete("", response_model=CancelledJobs, summary="Cancel all jobs")
+def cancel_all_jobs(jobs: JobsDep, owner: OwnerDep, kind: KindOfJob = None) -> CancelledJobs:
+    """Return the ids of all waiting and running jobs after asking them to stop."""
+    task, cancelled = None if kind is None else KINDS[kind], list[str]()
+    for state in (JobState.QUEUED, JobState.RUNNING):
+        for job in jobs.find(
+            owner=owner, state=state, task=task, limit=JOB_STREAM.most_cancelled, cursor=None
+        ):
+            if jobs.cancel(job.id, owner=owner).state is JobState.CANCELLED:
+                cancelled.append(job.id)
+    return CancelledJobs(cancelled=cancelled)
+
+
 @router.get("/{id}", response_model=JobReply, summary="Get a job")
 def get_job(id: IdPath, jobs: JobsDep, owner: OwnerDep) -> Any:
     """Return the state and the progress of a job."""
@@ -52,16 +118,24 @@ def cancel_job(id: IdPath, jobs: JobsDep, owner: OwnerDep) -> Any:
 
 
 @router.get("/{id}/events", response_class=StreamingResponse, responses=_EVENTS, summary="Follow a job")
-async def stream_job(id: IdPath, jobs: JobsDep, owner: OwnerDep) -> StreamingResponse:
-    """Return a stream of server-sent events, one a change, each with the job as JSON."""
+async def stream_job(
+    id: IdPath, jobs: JobsDep, owner: OwnerDep, last_event_id: LastEventId = None
+) -> StreamingResponse:
+    """Return a stream of server-sent events, one a change, each with the job as JSON.
+
+    A stream that goes on after `Last-Event-ID` does not repeat that event.
+    """
     first = await to_thread.run_sync(partial(jobs.get, id, owner=owner))  # an unknown id is a 404, no stream
     headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
-    return StreamingResponse(_events(jobs, first), media_type="text/event-stream", headers=headers)
+    return StreamingResponse(
+        _events(jobs, first, last_event_id), media_type="text/event-stream", headers=headers
+    )
 
 
-async def _events(jobs: JobRunner, job: Job) -> AsyncIterator[str]:
+async def _events(jobs: JobRunner, job: Job, seen: str | None) -> AsyncIterator[str]:
     look = partial(jobs.get, job.id, owner=job.owner)
-    yield _event(job)
+    if job.state.final or seen != _event_id(job):
+        yield _event(job)
     silent = 0.0
     while not job.state.final:
         await sleep(JOB_STREAM.polling_interval)
@@ -76,4 +150,9 @@ async def _events(jobs: JobRunner, job: Job) -> AsyncIterator[str]:
 
 
 def _event(job: Job) -> str:
-    return f"data: {job_reply(job).model_dump_json()}\n\n"
+    return f"id: {_event_id(job)}\ndata: {job_reply(job).model_dump_json()}\n\n"
+
+
+def _event_id(job: Job) -> str:
+    """Return a name of what an event says."""
+    return sha256(job_reply(job).model_dump_json().encode()).hexdigest()[:16]

@@ -128,6 +128,9 @@ class JobStreamSettings(Settings):
         doc="silence after which a comment is sent",
         derived="shorter than the silence after which proxies close a stream",
     )
+    most_cancelled: int = setting(
+        500, unit="jobs", doc="jobs of a state that one request cancels", derived="more than one user has"
+    )
     retry_after: int = setting(
         5, unit="s", doc="`Retry-After` of a full queue", derived="about the length of a short job"
     )

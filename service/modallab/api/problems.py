@@ -16,7 +16,7 @@ from modallab.api.faults import Fault, faults
 from modallab.api.limits import JOB_STREAM, REPLY
 from modallab.api.operations import Operations
 from modallab.core import errors
-from modallab.jobs.runner import QueueFullError
+from modallab.jobs.runner import KeyReusedError, QueueFullError
 from modallab.jobs.work import INTERNAL, describe
 from modallab.store.base import InUseError, StoredDataError
 
@@ -29,6 +29,7 @@ STATUS: Mapping[type[errors.ModalLabError], int] = {
     errors.CancelledError: 409,
     errors.MissingExtraError: 501,
     InUseError: 409,
+    KeyReusedError: 409,
     QueueFullError: 503,
     StoredDataError: 500,
 }
@@ -46,9 +47,11 @@ TITLES: Mapping[str, str] = {
     "content_too_large": "The body is too large",
     "diverged": "The iteration diverged",
     "in_use": "Other results were made from it",
+    "executor_taken": "Another process runs jobs under this name",
     "internal": "The service failed",
     "invalid_input": "A value has no meaning",
     "invalid_request": "The request is not valid",
+    "key_reused": "The key named another request",
     "method_not_allowed": "The address does not take this method",
     "missing_extra": "An optional part is not installed",
     "modallab": "The request cannot be carried out",

@@ -1,16 +1,20 @@
 """The book of jobs: one row each, written by whoever works on it."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
+from statistics import median
 from typing import Any
 
 import sqlalchemy as sa
 
 from modallab.core.errors import NotFoundError
-from modallab.jobs.runner import Job, JobState, QueueFullError
+from modallab.jobs.runner import Job, JobState, KeyReusedError, QueueFullError, RequestKey
+from modallab.jobs.settings import JOB
 from modallab.store.sql import new_id
 from modallab.store.tables import JOBS
 
+_UNSHOWN = ("restarts", "request_key", "request_digest")
 _ACTIVE = JOBS.c.state.in_([JobState.QUEUED.value, JobState.RUNNING.value])
 
 
@@ -20,26 +24,61 @@ class JobBook:
     def __init__(self, engine: sa.Engine, *, queue_length: int) -> None:
         self._engine, self._queue_length = engine, queue_length
 
-    def open(self, task: str, arguments: Mapping[str, Any], *, owner: str) -> Job:
-        """Enter a job and return it; `QueueFullError` if too many wait."""
+    def open(
+        self, task: str, arguments: Mapping[str, Any], *, owner: str, request: RequestKey | None = None
+    ) -> Job:
+        """Enter a job and return it; the job of the same request if there was one.
+
+        Raises
+        ------
+        QueueFullError
+            If too many wait.
+        KeyReusedError
+            If another request of the owner had the key.
+        """
+        if request is not None and (known := self._of_request(owner, request)) is not None:
+            return known
         row: dict[str, Any] = {
             "id": new_id(),
             "owner": owner,
             "task": task,
             "arguments": dict(arguments),
-            "created": datetime.now(UTC).isoformat(timespec="microseconds"),
+            "created": _now(),
             "state": JobState.QUEUED.value,
             "fraction": 0.0,
             "message": "",
             "result_id": new_id(),
             "restarts": 0,
+            "request_key": None if request is None else request.key,
+            "request_digest": None if request is None else request.digest,
         }
         queue_length = sa.select(sa.func.count()).where(JOBS.c.state == JobState.QUEUED.value)
         with self._engine.begin() as connection:
             if connection.execute(queue_length).scalar_one() >= self._queue_length:
                 raise QueueFullError("as many jobs wait as may", allowed=self._queue_length)
-            connection.execute(JOBS.insert().values(**row))
-        return _job(row)
+            try:
+                connection.execute(JOBS.insert().values(**row))
+            except sa.exc.IntegrityError:  # the same request came twice at once
+                known = None if request is None else self._of_request(owner, request)
+                if known is None:
+                    raise
+                return known
+        return self.get(row["id"])
+
+    def _of_request(self, owner: str, request: RequestKey) -> Job | None:
+        query = sa.select(JOBS).where(JOBS.c.owner == owner, JOBS.c.request_key == request.key)
+        with self._engine.begin() as connection:
+            row = connection.execute(query).first()
+        if row is None:
+            return None
+        if row.request_digest != request.digest:
+            raise KeyReusedError(
+                "this key named another request",
+                field="Idempotency-Key",
+                value=request.key,
+                allowed="a new key for each request, the same for its repetition",
+            )
+        return self._shown(row._asdict())
 
     def get(self, job_id: str, *, owner: str | None = None) -> Job:
         """Return a job, of an owner if one is named."""
@@ -50,7 +89,48 @@ class JobBook:
             row = connection.execute(query).first()
         if row is None:
             raise NotFoundError(f"there is no job {job_id!r}", field="job_id", value=job_id)
-        return _job(row._asdict())
+        return self._shown(row._asdict())
+
+    def find(
+        self,
+        *,
+        owner: str,
+        state: JobState | None = None,
+        task: str | None = None,
+        limit: int = 100,
+        cursor: str | None = None,
+    ) -> list[Job]:
+        """Return the newest jobs of an owner, those older than `cursor`."""
+        query = sa.select(JOBS).where(JOBS.c.owner == owner)
+        if state is not None:
+            query = query.where(JOBS.c.state == state.value)
+        if task is not None:
+            query = query.where(JOBS.c.task == task)
+        if cursor is not None:
+            last = self.get(cursor, owner=owner)
+            age = sa.tuple_(JOBS.c.created, JOBS.c.id)
+            query = query.where(age < sa.tuple_(sa.literal(last.created), sa.literal(last.id)))
+        query = query.order_by(JOBS.c.created.desc(), JOBS.c.id.desc()).limit(limit)
+        with self._engine.begin() as connection:
+            rows = [row._asdict() for row in connection.execute(query)]
+        return [self._shown(row) for row in rows]
+
+    def _shown(self, row: Mapping[str, Any]) -> Job:
+        """Return the job of a row, with its place in the queue."""
+        job = _job(row)
+        if job.state is not JobState.QUEUED:
+            return job
+        before = sa.and_(
+            JOBS.c.state == JobState.QUEUED.value,
+            sa.tuple_(JOBS.c.created, JOBS.c.id) < sa.tuple_(sa.literal(job.created), sa.literal(job.id)),
+        )
+        with self._engine.begin() as connection:
+            tasks = list(connection.execute(sa.select(JOBS.c.task).where(before)).scalars())
+            running = sa.select(JOBS.c.task).where(JOBS.c.state == JobState.RUNNING.value)
+            under_way = list(connection.execute(running).scalars())
+            durations = {name: _usual_duration(connection, name) for name in {*tasks, *under_way}}
+        wait = _wait(tasks, under_way, durations)
+        return replace(job, place=len(tasks) + 1, wait_estimate=wait)
 
     def active(self) -> list[str]:
         """Return the ids of all jobs that have not ended, oldest first."""
@@ -67,7 +147,8 @@ class JobBook:
 
     def start(self, job_id: str) -> bool:
         """Mark a job as running and tell whether it still has to be done."""
-        return self._change(job_id, state=JobState.RUNNING.value)
+        started = sa.func.coalesce(JOBS.c.started, _now())  # of the first attempt
+        return self._change(job_id, state=JobState.RUNNING.value, started=started)
 
     def progress(self, job_id: str, fraction: float, message: str) -> bool:
         """Write how far a job is and tell whether it is still wanted."""
@@ -82,15 +163,18 @@ class JobBook:
 
     def succeed(self, job_id: str) -> bool:
         """End a job whose result is stored."""
-        return self._change(job_id, state=JobState.SUCCEEDED.value, fraction=1.0)
+        return self._end(job_id, JobState.SUCCEEDED, "finished", fraction=1.0)
 
     def fail(self, job_id: str, error: Mapping[str, Any]) -> bool:
         """End a job with the error that stopped it."""
-        return self._change(job_id, state=JobState.FAILED.value, error=dict(error))
+        return self._end(job_id, JobState.FAILED, str(error.get("detail", "failed")), error=dict(error))
 
     def cancel(self, job_id: str) -> bool:
         """End a job because its owner asked for it."""
-        return self._change(job_id, state=JobState.CANCELLED.value)
+        return self._end(job_id, JobState.CANCELLED, "cancelled")
+
+    def _end(self, job_id: str, state: JobState, message: str, **values: Any) -> bool:
+        return self._change(job_id, state=state.value, message=message, ended=_now(), **values)
 
     def _change(self, job_id: str, **values: Any) -> bool:
         update = JOBS.update().where(JOBS.c.id == job_id, _ACTIVE).values(**values)
@@ -99,5 +183,35 @@ class JobBook:
 
 
 def _job(row: Mapping[str, Any]) -> Job:
-    fields = {name: value for name, value in row.items() if name != "restarts"}
+    fields = {name: value for name, value in row.items() if name not in _UNSHOWN}
     return Job(**dict(fields, state=JobState(row["state"])))
+
+
+def _now() -> str:
+    return datetime.now(UTC).isoformat(timespec="microseconds")
+
+
+def _usual_duration(connection: sa.Connection, task: str) -> float | None:
+    """Return the median time, s, of the latest jobs of a task; None if there was none."""
+    query = sa.select(JOBS.c.started, JOBS.c.ended).where(
+        JOBS.c.task == task, JOBS.c.state == JobState.SUCCEEDED.value, JOBS.c.started.is_not(None)
+    )
+    latest = connection.execute(query.order_by(JOBS.c.ended.desc()).limit(JOB.latest_jobs)).all()
+    durations = [
+        (datetime.fromisoformat(ended) - datetime.fromisoformat(started)).total_seconds()
+        for started, ended in latest
+        if ended is not None
+    ]
+    return median(durations) if durations else None
+
+
+def _wait(
+    before: Sequence[str], under_way: Sequence[str], durations: Mapping[str, float | None]
+) -> float | None:
+    """Return the time, s, until a job may begin: what is before it, shared by as many as work now."""
+    known = [durations[name] for name in before]
+    half_done = [durations[name] for name in under_way]
+    if any(duration is None for duration in (*known, *half_done)):
+        return None
+    work = sum(filter(None, known)) + sum(filter(None, half_done)) / 2
+    return work / max(1, len(under_way))

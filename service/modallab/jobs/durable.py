@@ -25,7 +25,7 @@ from modallab.jobs.executors import Executor, ExecutorBook
 from modallab.jobs.outages import patiently
 from modallab.jobs.processes import WorkerProcesses
 from modallab.jobs.reconciler import Reconciler
-from modallab.jobs.runner import Job
+from modallab.jobs.runner import Job, JobState, RequestKey
 from modallab.jobs.settings import JOB
 from modallab.jobs.work import INTERNAL, TIME_LIMIT, count_shares, perform, perform_share
 from modallab.store.engine import make_engine
@@ -326,16 +326,24 @@ class DurableRunner:
         except DBAPIError as error:  # the others will take this process for lost
             _log.warning("jobs could not be handed back", error=str(error).splitlines()[0])
 
-    def submit(self, task: str, arguments: Mapping[str, Any], *, owner: str) -> Job:
+    def submit(
+        self, task: str, arguments: Mapping[str, Any], *, owner: str, request: RequestKey | None = None
+    ) -> Job:
         """Queue a task and return its job."""
-        job = self._book.open(task, arguments, owner=owner)
+        job = self._book.open(task, arguments, owner=owner, request=request)
         assert self._client is not None
-        _Engine(self._client).enqueue(job.id)
+        _Engine(self._client).enqueue(job.id)  # an id that is queued already is queued once
         return job
 
     def get(self, job_id: str, *, owner: str) -> Job:
         """Return a job of an owner."""
         return self._book.get(job_id, owner=owner)
+
+    def find(
+        self, *, owner: str, state: JobState | None, task: str | None, limit: int, cursor: str | None
+    ) -> list[Job]:
+        """Return the newest jobs of an owner, those older than `cursor`."""
+        return self._book.find(owner=owner, state=state, task=task, limit=limit, cursor=cursor)
 
     def cancel(self, job_id: str, *, owner: str) -> Job:
         """Stop a job and return it; a job that has ended stays as it is."""

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any, Self
 
 from modallab.jobs.book import JobBook
-from modallab.jobs.runner import Job
+from modallab.jobs.runner import Job, JobState, RequestKey
 from modallab.jobs.work import perform
 from modallab.store.place import StorePlace
 
@@ -21,9 +21,13 @@ class InlineRunner:
     async def __aexit__(self, *exception: object) -> None:
         pass
 
-    def submit(self, task: str, arguments: Mapping[str, Any], *, owner: str) -> Job:
+    def submit(
+        self, task: str, arguments: Mapping[str, Any], *, owner: str, request: RequestKey | None = None
+    ) -> Job:
         """Do a task and return its job."""
-        job = self._book.open(task, arguments, owner=owner)
+        job = self._book.open(task, arguments, owner=owner, request=request)
+        if job.state.final:
+            return job  # the same request once more
         fault = perform(self._place, job.id)
         if fault is not None:
             raise RuntimeError(f"task {task} failed:\n{fault}")
@@ -33,6 +37,13 @@ class InlineRunner:
         """Return a job of an owner."""
         return self._book.get(job_id, owner=owner)
 
+    def find(
+        self, *, owner: str, state: JobState | None, task: str | None, limit: int, cursor: str | None
+    ) -> list[Job]:
+        """Return the newest jobs of an owner, those older than `cursor`."""
+        return self._book.find(owner=owner, state=state, task=task, limit=limit, cursor=cursor)
+
     def cancel(self, job_id: str, *, owner: str) -> Job:
-        """Return the job, which has ended before anyone could cancel it."""
-        return self._book.get(job_id, owner=owner)
+        """Return the job: what this runner did has ended before anyone could cancel it."""
+        self._book.cancel(self._book.get(job_id, owner=owner).id)
+        return self._book.get(job_id)

@@ -47,6 +47,30 @@ class Job:
     """Id of the result, fixed before the task starts."""
     error: Mapping[str, Any] | None = None
     """Code, title, detail and context of the error that ended the job; None: no error."""
+    started: str | None = None
+    """ISO 8601, UTC, time at which the work began; None: it waits."""
+    ended: str | None = None
+    """ISO 8601, UTC, time of the end; None: the job has not ended."""
+    place: int | None = None
+    """1, place in the queue, 1 for the next; None: the job does not wait."""
+    wait_estimate: float | None = None
+    """s, time until the work may begin, by recent jobs; None: the job does not wait, or nothing is known."""
+
+
+@dataclass(frozen=True)
+class RequestKey:
+    """Name that a caller gives a request, so that its repetition starts nothing twice."""
+
+    key: str
+    """Name, unique among the requests of an owner."""
+    digest: str
+    """SHA-256 of the request."""
+
+
+class KeyReusedError(ModalLabError):
+    """A key that another request has had already."""
+
+    code = "key_reused"
 
 
 class QueueFullError(ModalLabError):
@@ -66,12 +90,28 @@ class JobRunner(Protocol):
         """Stop; jobs under way go on at the next start."""
         ...
 
-    def submit(self, task: str, arguments: Mapping[str, Any], *, owner: str) -> Job:
-        """Queue a task of `jobs.tasks` and return its job; `QueueFullError` if too many wait."""
+    def submit(
+        self, task: str, arguments: Mapping[str, Any], *, owner: str, request: RequestKey | None = None
+    ) -> Job:
+        """Queue a task of `jobs.tasks` and return its job; that of the same request if there was one.
+
+        Raises
+        ------
+        QueueFullError
+            If too many wait.
+        KeyReusedError
+            If another request of the owner had the key.
+        """
         ...
 
     def get(self, job_id: str, *, owner: str) -> Job:
         """Return a job of an owner; `NotFoundError` if there is none."""
+        ...
+
+    def find(
+        self, *, owner: str, state: JobState | None, task: str | None, limit: int, cursor: str | None
+    ) -> list[Job]:
+        """Return the newest jobs of an owner, those older than `cursor`."""
         ...
 
     def cancel(self, job_id: str, *, owner: str) -> Job:

@@ -21,6 +21,9 @@ class JobSettings(Settings):
     attempt_backoff: float = setting(
         1.4, doc="ratio of the pauses between attempts", derived="0.1 s first, 21 s in all"
     )
+    latest_jobs: int = setting(
+        20, unit="jobs", doc="latest jobs of a kind whose times tell how long one takes", derived="a class's"
+    )
     max_restarts: int = setting(
         5,
         unit="restarts",

@@ -58,6 +58,12 @@ JOBS = sa.Table(
     sa.Column("result_id", sa.String(64), nullable=False),  # fixed at submission
     sa.Column("error", sa.JSON(none_as_null=True)),
     sa.Column("restarts", sa.Integer, nullable=False, server_default="0"),
+    sa.Column("started", sa.String(40)),
+    sa.Column("ended", sa.String(40)),
+    sa.Column("request_key", sa.String(128)),  # of the request that started it
+    sa.Column("request_digest", sa.String(64)),
+    sa.Index("ix_jobs_request", "owner", "request_key", unique=True),
+    sa.Index("ix_jobs_created", "owner", "created", "id"),
 )
 
 # Processes that run jobs, each with a counter that rises while it lives.

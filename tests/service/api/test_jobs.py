@@ -15,6 +15,13 @@ def job(service: Any, beam: str, rig: str) -> Any:
     return service.post("/v1/measurements", body, status=202)
 
 
+def events_of(text: str) -> list[Any]:
+    """Return what the events of a stream say."""
+    return [
+        json.loads(line.removeprefix("data: ")) for line in text.splitlines() if line.startswith("data: ")
+    ]
+
+
 def test_a_job_shows_what_it_made(service: Any, job: Any) -> None:
     assert (job["state"], job["fraction"], job["error"]) == ("succeeded", 1.0, None)
     assert service.get(f"/v1/measurements/{job['result_id']}")["id"] == job["result_id"]
@@ -23,7 +30,7 @@ def test_a_job_shows_what_it_made(service: Any, job: Any) -> None:
 def test_the_stream_of_a_finished_job_is_its_last_state(service: Any, job: Any) -> None:
     reply = service.request("GET", f"/v1/jobs/{job['id']}/events")
     assert reply.headers["content-type"].startswith("text/event-stream")
-    events = [json.loads(line.removeprefix("data: ")) for line in reply.text.split("\n\n") if line]
+    events = events_of(reply.text)
     assert events == [job]
 
 
@@ -47,7 +54,7 @@ def test_the_stream_follows_a_job_to_its_end(service: Any, settings: Any) -> Non
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(service.app.state.jobs, "get", went_on)
         text = service.request("GET", f"/v1/jobs/{job.id}/events").text
-    events = [json.loads(line.removeprefix("data: ")) for line in text.split("\n\n") if line]
+    events = events_of(text)
     assert [event["state"] for event in events] == ["running", "running", "succeeded"]
     assert events[1]["message"] == "half"
 
@@ -66,3 +73,66 @@ def test_a_full_queue_is_a_503_that_says_when_to_come_again(
     reply = service.request("POST", "/v1/measurements", json={"structure_id": beam, "rig_id": rig})
     assert (reply.status_code, reply.json()["code"]) == (503, "queue_full")
     assert int(reply.headers["retry-after"]) >= 1
+
+
+def test_a_stream_that_goes_on_does_not_repeat_its_last_event(service: Any, settings: Any) -> None:
+    book = job_book(settings)
+    job = book.open("measure_and_store", {}, owner="local")
+    path = f"/v1/jobs/{job.id}/events"
+    get = service.app.state.jobs.get
+    calls: list[str] = []
+
+    def ends(job_id: str, *, owner: str) -> Any:
+        calls.append(job_id)
+        if len(calls) % 3 == 0:
+            book.succeed(job_id)
+        return get(job_id, owner=owner)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(service.app.state.jobs, "get", ends)
+        first = service.request("GET", path).text.splitlines()[0]
+        assert first.startswith("id: ")
+        ended = service.request("GET", path, headers={"Last-Event-ID": first.removeprefix("id: ")}).text
+    assert [event["state"] for event in events_of(ended)] == ["succeeded"]
+
+
+def test_jobs_are_listed_newest_first_by_state_and_kind(service: Any, settings: Any) -> None:
+    book = job_book(settings)
+    older = book.open("update_and_store", {}, owner="local")
+    newer = book.open("update_and_store", {}, owner="local")
+    book.open("update_and_store", {}, owner="another")
+    listed = service.get("/v1/jobs?state=queued&kind=update")
+    assert [job["id"] for job in listed["items"]] == [newer.id, older.id]
+    assert [job["place"] for job in listed["items"]] == [2, 1]
+    assert listed["next"] is None
+    page = service.get("/v1/jobs?state=queued&kind=update&limit=1")
+    assert [job["id"] for job in page["items"]] == [newer.id] == [page["next"]]
+    rest = service.get(f"/v1/jobs?state=queued&kind=update&limit=1&after={page['next']}")
+    assert [job["id"] for job in rest["items"]] == [older.id]
+    assert service.get("/v1/jobs?state=queued&kind=study")["items"] == []
+    reply = service.request("GET", "/v1/jobs?kind=holiday")
+    assert reply.status_code == 422
+    assert set(service.request("DELETE", "/v1/jobs?kind=update").json()["cancelled"]) == {older.id, newer.id}
+    states = [job["state"] for job in service.get("/v1/jobs?kind=update")["items"]]
+    assert states == ["cancelled", "cancelled"]
+
+
+def test_a_request_that_is_repeated_with_its_key_starts_one_job(service: Any, beam: str, rig: str) -> None:
+    body = {"structure_id": beam, "rig_id": rig, "route": "expected"}
+    once, again = (
+        service.request("POST", "/v1/measurements", json=body, headers={"Idempotency-Key": "mine-1"})
+        for _ in range(2)
+    )
+    assert once.status_code == again.status_code == 202
+    assert once.json() == again.json()
+    other = service.request(
+        "POST", "/v1/measurements", json=body | {"seed": 7}, headers={"Idempotency-Key": "mine-1"}
+    )
+    assert (other.status_code, other.json()["code"]) == (409, "key_reused")
+    assert other.json()["context"]["value"] == "mine-1"
+
+
+def test_a_job_says_when_it_began_and_ended(job: Any) -> None:
+    assert job["created"] <= job["started"] <= job["ended"]
+    assert job["message"] == "finished"
+    assert job["place"] is None

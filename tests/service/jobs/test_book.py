@@ -5,6 +5,7 @@ from collections.abc import Callable
 import pytest
 
 from modallab.core.errors import NotFoundError
+from modallab.jobs import book as module
 from modallab.jobs.book import JobBook
 from modallab.jobs.durable import JobPlace
 from modallab.jobs.runner import JobState, QueueFullError
@@ -64,3 +65,24 @@ def test_active_jobs_are_those_that_have_not_ended(places: Places) -> None:
     book.start(ids[0])
     book.cancel(ids[1])
     assert book.active() == [ids[0], ids[2]]
+
+
+def test_a_wait_is_estimated_by_the_latest_jobs_of_the_kind(
+    book: JobBook, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    minutes = iter(range(60))
+    monkeypatch.setattr(module, "_now", lambda: f"2026-01-01T00:{next(minutes):02}:00+00:00")
+    done = book.open("update_and_store", {}, owner="me")
+    book.start(done.id)
+    book.succeed(done.id)  # a minute later
+    first = book.open("update_and_store", {}, owner="me")
+    second = book.open("update_and_store", {}, owner="me")
+    assert (first.place, first.wait_estimate) == (1, 0.0)
+    assert (second.place, second.wait_estimate) == (2, 60.0)
+    book.start(first.id)
+    waiting = book.get(second.id)
+    assert (waiting.place, waiting.wait_estimate) == (1, 30.0)  # the other is half done, on average
+    stranger = book.open("study_and_store", {}, owner="me")
+    assert stranger.wait_estimate == 90.0
+    last = book.open("update_and_store", {}, owner="me")
+    assert (last.place, last.wait_estimate) == (3, None)  # nobody knows how long the study takes

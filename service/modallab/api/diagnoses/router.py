@@ -8,7 +8,7 @@ from starlette.responses import HTMLResponse, Response
 
 from modallab.api import array_tables
 from modallab.api.arrays import ArraysFormatDep
-from modallab.api.deps import IdPath, JobsDep, OwnerDep, StoreDep
+from modallab.api.deps import IdPath, JobsDep, OwnerDep, RequestKeyDep, StoreDep
 from modallab.api.diagnoses.follow_ups import check_follow_ups
 from modallab.api.diagnoses.replies import Adoption, DiagnosisReply, diagnosis_reply
 from modallab.api.diagnoses.schemas import DiagnosisStart
@@ -42,7 +42,11 @@ _BODY = {
 
 @router.post("", status_code=status.HTTP_202_ACCEPTED, response_model=JobReply, summary="Start a diagnosis")
 def start_diagnosis(
-    body: Annotated[DiagnosisStart, example(_BODY)], store: StoreDep, jobs: JobsDep, owner: OwnerDep
+    body: Annotated[DiagnosisStart, example(_BODY)],
+    store: StoreDep,
+    jobs: JobsDep,
+    owner: OwnerDep,
+    request_key: RequestKeyDep,
 ) -> Any:
     """Start a job that searches for the effects that a structure and a rig lack."""
     measurement = store.measurements.get(body.measurement_id)
@@ -52,7 +56,9 @@ def start_diagnosis(
     inputs, options = body.to_task(structure)
     line_mask(measurement.frf.freq, options.bands, options.exclude)
     check_follow_ups(store, structure, body.measurement_id, body.follow_ups, act=body.act)
-    return job_reply(jobs.submit(DIAGNOSIS.name, DIAGNOSIS.arguments(inputs, options), owner=owner))
+    return job_reply(
+        jobs.submit(DIAGNOSIS.name, DIAGNOSIS.arguments(inputs, options), owner=owner, request=request_key)
+    )
 
 
 @router.get("/{id}", summary="Get a diagnosis", response_model=DiagnosisReply)

@@ -8,7 +8,7 @@ from starlette.responses import Response
 
 from modallab.api import array_tables
 from modallab.api.arrays import ArraysFormatDep
-from modallab.api.deps import IdPath, JobsDep, OwnerDep, SettingsDep, StoreDep
+from modallab.api.deps import IdPath, JobsDep, OwnerDep, RequestKeyDep, SettingsDep, StoreDep
 from modallab.api.examples import example
 from modallab.api.files import FRF_TEXT, HDF5, UFF, frf_text_reply, hdf5_reply, origin, uff_reply
 from modallab.api.jobs import JobReply, job_reply
@@ -63,12 +63,16 @@ _TEST = {
 
 @router.post("", status_code=status.HTTP_202_ACCEPTED, response_model=JobReply, summary="Start a measurement")
 def start_measurement(
-    body: Annotated[MeasurementStart, example(_TEST)], store: StoreDep, jobs: JobsDep, owner: OwnerDep
+    body: Annotated[MeasurementStart, example(_TEST)],
+    store: StoreDep,
+    jobs: JobsDep,
+    owner: OwnerDep,
+    request_key: RequestKeyDep,
 ) -> Any:
     """Start a job that measures the FRFs of a structure on a rig."""
     structure, setup = store.structures.get(body.structure_id), store.rigs.get(body.rig_id)
     arguments = MEASUREMENT.arguments(*body.to_task(structure, setup))
-    return job_reply(jobs.submit(MEASUREMENT.name, arguments, owner=owner))
+    return job_reply(jobs.submit(MEASUREMENT.name, arguments, owner=owner, request=request_key))
 
 
 @router.post(

@@ -7,7 +7,7 @@ from starlette.responses import Response
 
 from modallab.api import array_tables
 from modallab.api.arrays import ArraysFormatDep
-from modallab.api.deps import IdPath, JobsDep, OwnerDep, SettingsDep, StoreDep
+from modallab.api.deps import IdPath, JobsDep, OwnerDep, RequestKeyDep, SettingsDep, StoreDep
 from modallab.api.examples import example
 from modallab.api.files import FILE, UFF, FormRoute, origin, uff_reply
 from modallab.api.jobs import JobReply, job_reply
@@ -62,11 +62,17 @@ _IMPORT = {
 
 @router.post("", status_code=status.HTTP_202_ACCEPTED, response_model=JobReply, summary="Start an extraction")
 def start_modal_model(
-    body: Annotated[ModalModelStart, example(_START)], store: StoreDep, jobs: JobsDep, owner: OwnerDep
+    body: Annotated[ModalModelStart, example(_START)],
+    store: StoreDep,
+    jobs: JobsDep,
+    owner: OwnerDep,
+    request_key: RequestKeyDep,
 ) -> Any:
     """Start a job that extracts modes from a measurement."""
     store.measurements.check(body.measurement_id)
-    return job_reply(jobs.submit(EXTRACTION.name, EXTRACTION.arguments(*body.to_task()), owner=owner))
+    return job_reply(
+        jobs.submit(EXTRACTION.name, EXTRACTION.arguments(*body.to_task()), owner=owner, request=request_key)
+    )
 
 
 def _stored(model: ModalModel, store: Store, owner: str) -> Any:

@@ -7,7 +7,7 @@ from starlette.responses import Response
 
 from modallab.api import array_tables
 from modallab.api.arrays import ArraysFormatDep
-from modallab.api.deps import IdPath, JobsDep, OwnerDep, StoreDep
+from modallab.api.deps import IdPath, JobsDep, OwnerDep, RequestKeyDep, StoreDep
 from modallab.api.examples import example
 from modallab.api.jobs import JobReply, job_reply
 from modallab.api.shelves import add_routes
@@ -32,12 +32,16 @@ _BODY = {
 
 @router.post("", status_code=status.HTTP_202_ACCEPTED, response_model=JobReply, summary="Start a study")
 def start_study(
-    body: Annotated[StudyStart, example(_BODY)], store: StoreDep, jobs: JobsDep, owner: OwnerDep
+    body: Annotated[StudyStart, example(_BODY)],
+    store: StoreDep,
+    jobs: JobsDep,
+    owner: OwnerDep,
+    request_key: RequestKeyDep,
 ) -> Any:
     """Start a job that runs an updating method on many sets of noisy modes."""
     model, truth = (with_effects(store.structures.get(id)) for id in (body.structure_id, body.truth_id))
     arguments = STUDY.arguments(*body.to_task(model, truth))
-    return job_reply(jobs.submit(STUDY.name, arguments, owner=owner))
+    return job_reply(jobs.submit(STUDY.name, arguments, owner=owner, request=request_key))
 
 
 @router.get("/{id}", response_model=StudyReply, summary="Get a study")

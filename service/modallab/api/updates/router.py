@@ -7,7 +7,7 @@ from starlette.responses import Response
 
 from modallab.api import array_tables
 from modallab.api.arrays import ArraysFormatDep
-from modallab.api.deps import IdPath, JobsDep, OwnerDep, StoreDep
+from modallab.api.deps import IdPath, JobsDep, OwnerDep, RequestKeyDep, StoreDep
 from modallab.api.examples import examples
 from modallab.api.jobs import JobReply, job_reply
 from modallab.api.shelves import add_routes
@@ -60,6 +60,7 @@ def start_update(
     store: StoreDep,
     jobs: JobsDep,
     owner: OwnerDep,
+    request_key: RequestKeyDep,
 ) -> Any:
     """Start a job that corrects a structure from measured modes or FRFs."""
     structure = with_effects(store.structures.get(body.structure_id))
@@ -69,7 +70,7 @@ def start_update(
     if body.measurement_id is not None:
         measurement = store.measurements.get(body.measurement_id)
         check_responses(structure, measurement, body.noise_floor, body.lines)
-    return job_reply(jobs.submit(UPDATE.name, arguments, owner=owner))
+    return job_reply(jobs.submit(UPDATE.name, arguments, owner=owner, request=request_key))
 
 
 @router.get("/{id}", response_model=UpdateReply, summary="Get an update")
