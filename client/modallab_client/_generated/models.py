@@ -1243,6 +1243,20 @@ class ModalReciprocityCheck:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Ready:
+    """What the service needs, each found."""
+
+    database: bool
+    """whether the database answers"""
+    disk: bool
+    """whether the disk has room"""
+    status: str
+    """`ready`"""
+    worker: bool
+    """whether a process lives that runs jobs"""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Rig:
     """A rig as declared; parts that are not declared are ideal. Several shakers drive at the same time; a hammer strikes one drive point after the other."""
 

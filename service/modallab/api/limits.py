@@ -128,6 +128,15 @@ class JobStreamSettings(Settings):
         doc="silence after which a comment is sent",
         derived="shorter than the silence after which proxies close a stream",
     )
+    repeated_warning: float = setting(
+        60.0, unit="s", doc="time between two warnings of one fault", derived="a log that can be read"
+    )
+    least_room: int = setting(
+        200_000_000,
+        unit="B",
+        doc="free room on the disk below which the service is not ready",
+        derived="arrays of one large test",
+    )
     most_cancelled: int = setting(
         500, unit="jobs", doc="jobs of a state that one request cancels", derived="more than one user has"
     )

@@ -1,6 +1,7 @@
 """The only place where errors meet HTTP: problem documents of RFC 9457."""
 
 import math
+import time
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from typing import Any
@@ -9,6 +10,8 @@ import structlog
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from pydantic import BaseModel, ConfigDict, Field
+from sqlalchemy.exc import DBAPIError
+from sqlalchemy.exc import TimeoutError as PoolTimeout
 from starlette.exceptions import HTTPException
 from starlette.responses import JSONResponse
 
@@ -16,7 +19,8 @@ from modallab.api.faults import Fault, faults
 from modallab.api.limits import JOB_STREAM, REPLY
 from modallab.api.operations import Operations
 from modallab.core import errors
-from modallab.jobs.runner import KeyReusedError, QueueFullError
+from modallab.jobs.outages import is_outage
+from modallab.jobs.runner import KeyReusedError, NotReadyError, QueueFullError
 from modallab.jobs.work import INTERNAL, describe
 from modallab.store.base import InUseError, StoredDataError
 
@@ -30,6 +34,7 @@ STATUS: Mapping[type[errors.ModalLabError], int] = {
     errors.MissingExtraError: 501,
     InUseError: 409,
     KeyReusedError: 409,
+    NotReadyError: 503,
     QueueFullError: 503,
     StoredDataError: 500,
 }
@@ -58,6 +63,8 @@ TITLES: Mapping[str, str] = {
     "no_mode_in_band": "The band holds no resonance",
     "not_found": "Nothing is stored under this id",
     "queue_full": "The queue of jobs is full",
+    "not_ready": "The service cannot work",
+    "service_unavailable": "Database or disk are away",
     "stored_data": "Stored data are damaged",
     "structure": "The structure cannot be analysed",
     "underdetermined": "There are fewer equations than unknowns",
@@ -192,9 +199,35 @@ def _of_fault(request: Request, error: Exception) -> JSONResponse:
     return response(document(500, INTERNAL["code"], "the service failed; its log says why", {}))
 
 
+class _Seldom:
+    """Says a thing at most once a minute."""
+
+    def __init__(self) -> None:
+        self._said = -math.inf
+
+    def warn(self, message: str, **more: object) -> None:
+        """Log a warning unless one was logged a short while ago."""
+        if time.monotonic() - self._said > JOB_STREAM.repeated_warning:
+            self._said = time.monotonic()
+            _log.warning(message, **more)
+
+
+_SELDOM = _Seldom()
+
+
+def _of_storage(request: Request, error: Exception) -> JSONResponse:
+    if not is_outage(error):
+        raise error
+    told = str(getattr(error, "orig", None) or error).splitlines()[0]
+    _SELDOM.warn("database or disk are away", path=request.url.path, error=told)
+    return response(document(503, "service_unavailable", "database or disk are away; try again", {}))
+
+
 def install(app: FastAPI) -> None:
     """Answer every error of the app with a problem document."""
     app.add_exception_handler(errors.ModalLabError, _of_domain)
     app.add_exception_handler(RequestValidationError, _of_validation)
     app.add_exception_handler(HTTPException, _of_http)
+    for cls in (DBAPIError, PoolTimeout, OSError):
+        app.add_exception_handler(cls, _of_storage)
     app.add_exception_handler(Exception, _of_fault)

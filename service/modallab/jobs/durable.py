@@ -21,7 +21,7 @@ from dbos import error as dbos_error
 from sqlalchemy.exc import DBAPIError
 
 from modallab.jobs.book import JobBook
-from modallab.jobs.executors import Executor, ExecutorBook
+from modallab.jobs.executors import Executor, ExecutorBook, Watch
 from modallab.jobs.outages import patiently
 from modallab.jobs.processes import WorkerProcesses
 from modallab.jobs.reconciler import Reconciler
@@ -237,7 +237,7 @@ class DurableRunner:
     ) -> None:
         self._book, self._place, self._jobs = book, place, jobs
         self._executor = Executor.here(executor_id) if runs else None
-        self._executors = ExecutorBook(engine_of(place))
+        self._executors, self._watch = ExecutorBook(engine_of(place)), Watch()
         self._engine = make_engine(jobs.url, schema=jobs.schema)
         self._client: DBOSClient | None = None
         self._reconciler: Reconciler | None = None
@@ -338,6 +338,13 @@ class DurableRunner:
     def get(self, job_id: str, *, owner: str) -> Job:
         """Return a job of an owner."""
         return self._book.get(job_id, owner=owner)
+
+    def is_served(self) -> bool:
+        """Return whether a process lives that runs jobs: this one, or another that shows it."""
+        if self._executor is not None:
+            return True
+        executors = self._executors.all()
+        return len(self._watch.lost(executors)) < len(executors)
 
     def find(
         self, *, owner: str, state: JobState | None, task: str | None, limit: int, cursor: str | None

@@ -37,6 +37,10 @@ class InlineRunner:
         """Return a job of an owner."""
         return self._book.get(job_id, owner=owner)
 
+    def is_served(self) -> bool:
+        """Return True: this process runs its jobs."""
+        return True
+
     def find(
         self, *, owner: str, state: JobState | None, task: str | None, limit: int, cursor: str | None
     ) -> list[Job]:

@@ -1,10 +1,12 @@
 """Work that waits where the database is away for a while."""
 
+import errno
 from collections.abc import Callable
 from typing import Any, TypeVar
 
 import structlog
 from sqlalchemy.exc import DBAPIError, InterfaceError, OperationalError
+from sqlalchemy.exc import TimeoutError as PoolTimeout
 from tenacity import RetryCallState, Retrying, retry_if_exception, stop_after_delay, wait_random_exponential
 
 from modallab.jobs.settings import JOB
@@ -13,11 +15,25 @@ Outcome = TypeVar("Outcome")
 _log = structlog.get_logger()
 
 
+# SQLite has one class for these and for a wrong question, as of a table that there is not.
+_OF_SQLITE = ("locked", "full", "disk i/o", "unable to open", "readonly")
+_OF_DISKS = (errno.ENOSPC, errno.EDQUOT, errno.EROFS)
+
+
 def is_outage(error: BaseException) -> bool:
-    """Return whether an error says that the database is away, busy or full, and not a wrong question."""
-    if isinstance(error, OperationalError | InterfaceError):
+    """Return whether an error says that database or disk are away, busy or full, and not a wrong question."""
+    if isinstance(error, OSError):
+        return error.errno in _OF_DISKS
+    if isinstance(error, PoolTimeout):
         return True
-    return isinstance(error, DBAPIError) and error.connection_invalidated
+    if not isinstance(error, DBAPIError):
+        return False
+    if error.connection_invalidated or isinstance(error, InterfaceError):
+        return True
+    if not isinstance(error, OperationalError):
+        return False
+    of_sqlite = "sqlite" in type(error.orig).__module__
+    return not of_sqlite or any(words in str(error.orig).lower() for words in _OF_SQLITE)
 
 
 def patiently(work: Callable[..., Outcome], *arguments: Any) -> Outcome:

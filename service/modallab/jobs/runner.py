@@ -79,6 +79,12 @@ class QueueFullError(ModalLabError):
     code = "queue_full"
 
 
+class NotReadyError(ModalLabError):
+    """Something that the service needs is missing."""
+
+    code = "not_ready"
+
+
 class JobRunner(Protocol):
     """Runs tasks out of the request's way; used as an asynchronous context."""
 
@@ -106,6 +112,10 @@ class JobRunner(Protocol):
 
     def get(self, job_id: str, *, owner: str) -> Job:
         """Return a job of an owner; `NotFoundError` if there is none."""
+        ...
+
+    def is_served(self) -> bool:
+        """Return whether a process lives that runs jobs."""
         ...
 
     def find(

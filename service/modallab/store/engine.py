@@ -9,6 +9,7 @@ from sqlalchemy import event
 
 # The job engine needs SQLite 3.42; Debian 12's Python links 3.40.
 _OLDEST_SQLITE = (3, 42)
+_CONNECT_TIMEOUT = 5  # s: a server that does not answer is told as away while the request waits
 
 
 def _sqlite_module() -> ModuleType:
@@ -35,7 +36,7 @@ def make_engine(url: str, *, schema: str) -> sa.Engine:
         return _sqlite_engine(parsed)
     return sa.create_engine(
         parsed.set(drivername="postgresql+psycopg"),
-        connect_args={"options": f"-csearch_path={schema}"},
+        connect_args={"options": f"-csearch_path={schema}", "connect_timeout": _CONNECT_TIMEOUT},
         pool_pre_ping=True,
         pool_size=10,
         max_overflow=30,  # as many as the web server's threads
