@@ -75,6 +75,8 @@ BEYOND_A_SCHEMA = {
     ("/v1/updates", "noise_floor"),
     ("/v1/updates", "bands"),
     ("/v1/updates", "exclude"),
+    # a direct method has no coefficients
+    ("/v1/updates", "parameterisation"),
 }
 MAX_SEED = 2**63 - 1
 
