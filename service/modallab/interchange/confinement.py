@@ -11,7 +11,7 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -81,34 +81,66 @@ def read_confined(
     InvalidInputError
         If the files are refused, or cost too much memory or time.
     """
+    request = {
+        "content": content,
+        "names": [named.name for named in files],
+        "options": options.as_json(),
+    }
+    return run_confined(_MODULE, files, request, largest=largest, check=check)
+
+
+def run_confined(
+    module: str,
+    files: Sequence[NamedFile],
+    request: Mapping[str, Any],
+    *,
+    largest: int,
+    check: Callable[[bytes], object] | None = None,
+) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+    """Return what a program says of files, as JSON and as arrays by name.
+
+    Parameters
+    ----------
+    module
+        The program: it calls `reader_process.answer`.
+    request
+        What it is asked beside the files, as JSON.
+    files, largest, check
+        As in `read_confined`.
+
+    Raises
+    ------
+    InvalidInputError
+        As `read_confined`.
+    """
     limit = min(largest, CONFINEMENT.max_bytes)
     with tempfile.TemporaryDirectory(prefix="modallab-") as folder:
         total = _copy(files, Path(folder), limit, check)
         seconds = CONFINEMENT.processor_seconds + int(total / CONFINEMENT.bytes_per_second)
-        request = {
-            "content": content,
-            "names": [named.name for named in files],
-            "options": options.as_json(),
+        limits = {
             "largest": limit,
             "memory_bytes": CONFINEMENT.memory_bytes + CONFINEMENT.memory_per_byte * total,
             "processor_seconds": seconds,
             "file_bytes": 2 * total + CONFINEMENT.chunk_bytes,
         }
-        (Path(folder) / REQUEST).write_text(json.dumps(request))
-        output = _output(folder, seconds + CONFINEMENT.patience)
+        (Path(folder) / REQUEST).write_text(json.dumps({**request, **limits}))
+        output = _output(module, folder, seconds + CONFINEMENT.patience)
     with np.load(io.BytesIO(output), allow_pickle=False) as archive:
         arrays = {name: archive[name] for name in archive.files}
     about: dict[str, Any] = json.loads(str(arrays.pop("about")))
     return about, arrays
 
 
-def _copy(files: Sequence[NamedFile], folder: Path, limit: int, check: Callable[[bytes], object]) -> int:
+def _copy(
+    files: Sequence[NamedFile], folder: Path, limit: int, check: Callable[[bytes], object] | None
+) -> int:
     """Copy files of known formats into a folder, under their numbers; return their bytes."""
     total = 0
     for number, named in enumerate(files):
         with (folder / str(number)).open("wb") as copy:
             head = named.file.read(READING.head_bytes)
-            check(head)
+            if check is not None:
+                check(head)
             named.file.seek(0)
             while chunk := named.file.read(CONFINEMENT.chunk_bytes):
                 total += len(chunk)
@@ -123,11 +155,11 @@ def _copy(files: Sequence[NamedFile], folder: Path, limit: int, check: Callable[
     return total
 
 
-def _output(folder: str, timeout: float) -> bytes:
-    """Return what the process writes about the files in a folder."""
+def _output(module: str, folder: str, timeout: float) -> bytes:
+    """Return what a program writes about the files in a folder."""
     try:
         run = subprocess.run(
-            [sys.executable, "-P", "-m", _MODULE, folder],
+            [sys.executable, "-P", "-m", module, folder],
             env={**os.environ, **_ENVIRONMENT},
             stdin=subprocess.DEVNULL,
             capture_output=True,

@@ -27,11 +27,24 @@ Parts = tuple[dict[str, Any], dict[str, Any]]
 
 def main(folder: str) -> None:
     """Write the FRFs or modes of the files in a folder to standard output."""
+    answer(folder, lambda path, request: _READERS[request["content"]](path, request))
+
+
+def answer(folder: str, read: Callable[[Path, dict[str, Any]], Parts]) -> None:
+    """Write what a function reads from the files in a folder to standard output, within the limits.
+
+    Parameters
+    ----------
+    folder
+        Folder of the files, by their numbers, and of the request.
+    read
+        Function of folder and request; it returns JSON and arrays by name.
+    """
     request = json.loads((Path(folder) / REQUEST).read_text())
     tempfile.tempdir = folder  # removed by the caller, whatever becomes of this process
     _confine(request)
     try:
-        about, arrays = _READERS[request["content"]](Path(folder), request)
+        about, arrays = read(Path(folder), request)
     except InvalidInputError as error:
         _refuse(str(error), error.context)
     except MemoryError:

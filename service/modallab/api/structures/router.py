@@ -28,7 +28,7 @@ from modallab.fe.changes import change
 from modallab.fe.expansion import expand
 from modallab.fe.synthetic_modes import lowest_modes, synthetic_modes
 from modallab.interchange import uff_geometry
-from modallab.interchange.model_reading import read_model
+from modallab.jobs.model_files import ModelRequest, read_model_confined
 from modallab.rig.exact import as_modelled
 from modallab.store.base import Store
 
@@ -105,7 +105,7 @@ def import_structure(
     law = None if damping is None else damping_of(damping)
     described = None if mesh is None else mesh_of(mesh)
     limit = settings.upload_limit
-    read = read_model(file.file, largest=limit, damping=law, name=name, description=described)
+    read = read_model_confined(file.file, ModelRequest(law, name, described), largest=limit)
     return _stored(store, store.structures.add(read, owner=owner))
 
 

@@ -71,7 +71,7 @@ def read_mesh(payload: bytes) -> Mesh:
             path = Path(folder) / "mesh"
             path.write_bytes(payload)
             return _checked(_read(path, name))
-    except InvalidInputError:
+    except (InvalidInputError, MemoryError):
         raise
     # Any: the parsers of meshio raise a dozen kinds at hostile bytes.
     except Exception as error:
