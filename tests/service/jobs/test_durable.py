@@ -163,9 +163,16 @@ def test_the_runs_of_a_study_are_jobs_of_all_workers_and_its_progress_counts_the
     async def work(runner: DurableRunner) -> None:
         given = studying(places, 4, UpdateOptions(max_iterations=2))
         job = await to_thread.run_sync(partial(runner.submit, "study_and_store", given, owner="me"))
-        ended = await until(runner, job, lambda j: j.state.final)
+        told: list[str] = []
+
+        def final(seen: Job) -> bool:
+            told.append(seen.message)
+            return seen.state.final
+
+        ended = await until(runner, job, final)
         assert ended.state is JobState.SUCCEEDED, ended
-        assert ended.message == "4 of 4 runs"
+        assert ended.message == "finished"
+        assert any(message.endswith(" of 4 runs") for message in told)
         assert len(open_store(places[0]).studies.get(ended.result_id).runs) == 4
         assert runner._client is not None
         made = await to_thread.run_sync(partial(runner._client.list_workflows, name="share"))
