@@ -1,4 +1,8 @@
-"""Bars in a plane: mass and stiffness by Euler and Bernoulli, modes, and receptances with attachments."""
+"""Bars in a plane: mass and stiffness by Euler and Bernoulli, modes, and receptances with attachments.
+
+Element matrices: Przemieniecki, Theory of Matrix Structural Analysis (1968), chapters 5 and 11. Attachments
+by the Woodbury identity.
+"""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field

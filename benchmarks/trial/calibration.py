@@ -5,6 +5,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from scipy.optimize import isotonic_regression
 
 from modallab.core.arrays import FloatArray
 
@@ -23,27 +24,14 @@ def stated(lines: Sequence[dict[str, Any]]) -> tuple[FloatArray, FloatArray]:
     )
 
 
-def isotonic(probability: FloatArray, true: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return the points (n,) of the monotonic fit of least squares: adjacent violators pooled."""
-    order = np.argsort(probability, kind="stable")
-    pools: list[tuple[float, float, float]] = []  # probability, share that is true, weight
-    for p, t in zip(probability[order], true[order], strict=True):
-        pools.append((float(p), float(t), 1.0))
-        while len(pools) > 1 and pools[-2][1] >= pools[-1][1]:
-            (p1, t1, w1), (p2, t2, w2) = pools.pop(-2), pools.pop()
-            weight = w1 + w2
-            pools.append(((w1 * p1 + w2 * p2) / weight, (w1 * t1 + w2 * t2) / weight, weight))
-    points, shares, _ = np.array(pools).T
-    return points, shares
-
-
 def recalibrated(probability: FloatArray, true: FloatArray) -> FloatArray:
     """Return the probabilities (n,) by an isotonic fit to the other folds."""
     result = np.empty_like(probability)
     fold = np.random.default_rng(0).permutation(len(true)) % FOLDS
     for i in range(FOLDS):
-        points, shares = isotonic(probability[fold != i], true[fold != i])
-        result[fold == i] = np.interp(probability[fold == i], points, shares)
+        others = np.argsort(np.where(fold != i, probability, np.inf), kind="stable")[: (fold != i).sum()]
+        shares = isotonic_regression(true[others]).x
+        result[fold == i] = np.interp(probability[fold == i], probability[others], shares)
     return result
 
 

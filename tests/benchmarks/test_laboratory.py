@@ -61,7 +61,7 @@ def test_every_effect_changes_what_is_measured(name: str) -> None:
         np.abs(np.log(getattr(with_effect, part) / getattr(without, part))).max()
         for part in ("inertance", "force", "response")
     ]
-    assert max(changed) > 0.01
+    assert max(changed) > 0.01  # without an effect the same random numbers give the same values
 
 
 def test_what_is_named_is_judged_by_kind_and_place() -> None:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import httpx
 import sqlalchemy as sa
 
 from modallab.api.settings import ServiceSettings
@@ -188,7 +189,7 @@ def wait_for(lab: Lab, job: str, limit: float = LIMIT) -> Any:
     """Return a job as soon as it has ended; a service that is away meanwhile is asked again."""
     end, found = time.monotonic() + limit, None
     while time.monotonic() < end:
-        with suppress(AssertionError, OSError, sa.exc.DBAPIError, Exception):
+        with suppress(AssertionError, httpx.HTTPError):
             found = lab.json("GET", f"/jobs/{job}")
             if found["state"] not in ("queued", "running"):
                 return found

@@ -9,7 +9,7 @@ from fastapi import APIRouter
 
 import modallab
 from modallab.api.deps import JobsDep, SettingsDep, StoreDep
-from modallab.api.limits import JOB_STREAM
+from modallab.api.limits import READINESS
 from modallab.api.wire import Reply
 from modallab.jobs.runner import NotReadyError
 
@@ -60,7 +60,7 @@ def get_ready(jobs: JobsDep, store: StoreDep, settings: SettingsDep) -> Ready:
     """Return `ready` if database, disk and workers are there; else 503 with what is missing."""
     store.structures.list(owner="", limit=1)  # an error of the database is answered with 503
     room = disk_usage(settings.data).free
-    found = {"database": True, "disk": room >= JOB_STREAM.least_room, "worker": jobs.is_served()}
+    found = {"database": True, "disk": room >= READINESS.least_room, "worker": jobs.is_served()}
     if missing := [name for name, there in found.items() if not there]:
         raise NotReadyError(f"the service cannot work: {', '.join(missing)}", free_bytes=room, **found)
     return Ready(status="ready", **found)

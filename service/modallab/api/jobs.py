@@ -29,6 +29,7 @@ _EVENTS: dict[int | str, dict[str, Any]] = {
 }
 
 
+_MOST = 100  # jobs looked up at a time
 KINDS = {
     "measurement": MEASUREMENT.name,
     "modal_model": EXTRACTION.name,
@@ -97,11 +98,10 @@ def cancel_all_jobs(jobs: JobsDep, owner: OwnerDep, kind: KindOfJob = None) -> C
     """Return the ids of all waiting and running jobs after asking them to stop."""
     task, cancelled = None if kind is None else KINDS[kind], list[str]()
     for state in (JobState.QUEUED, JobState.RUNNING):
-        for job in jobs.find(
-            owner=owner, state=state, task=task, limit=JOB_STREAM.most_cancelled, cursor=None
-        ):
-            if jobs.cancel(job.id, owner=owner).state is JobState.CANCELLED:
-                cancelled.append(job.id)
+        # What is cancelled is not found again.
+        while active := jobs.find(owner=owner, state=state, task=task, limit=_MOST, cursor=None):
+            ended = [jobs.cancel(job.id, owner=owner) for job in active]
+            cancelled += [job.id for job in ended if job.state is JobState.CANCELLED]
     return CancelledJobs(cancelled=cancelled)
 
 

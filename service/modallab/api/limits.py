@@ -128,23 +128,27 @@ class JobStreamSettings(Settings):
         doc="silence after which a comment is sent",
         derived="shorter than the silence after which proxies close a stream",
     )
-    repeated_warning: float = setting(
-        60.0, unit="s", doc="time between two warnings of one fault", derived="a log that can be read"
+    retry_after: int = setting(
+        5, unit="s", doc="`Retry-After` of a full queue", derived="about the length of a short job"
     )
+
+
+@dataclass(frozen=True)
+class ReadinessSettings(Settings):
+    """What the service needs to work, and how often a lack of it is told."""
+
     least_room: int = setting(
         200_000_000,
         unit="B",
         doc="free room on the disk below which the service is not ready",
-        derived="arrays of one large test",
+        derived="the largest upload, see `upload_limit`",
     )
-    most_cancelled: int = setting(
-        500, unit="jobs", doc="jobs of a state that one request cancels", derived="more than one user has"
-    )
-    retry_after: int = setting(
-        5, unit="s", doc="`Retry-After` of a full queue", derived="about the length of a short job"
+    repeated_warning: float = setting(
+        60.0, unit="s", doc="time between two warnings of one fault", derived="a log that can be read"
     )
 
 
 REQUEST = RequestLimits()
 REPLY = ReplyLimits()
 JOB_STREAM = JobStreamSettings()
+READINESS = ReadinessSettings()

@@ -16,7 +16,7 @@ from starlette.exceptions import HTTPException
 from starlette.responses import JSONResponse
 
 from modallab.api.faults import Fault, faults
-from modallab.api.limits import JOB_STREAM, REPLY
+from modallab.api.limits import JOB_STREAM, READINESS, REPLY
 from modallab.api.operations import Operations
 from modallab.core import errors
 from modallab.jobs.outages import is_outage
@@ -67,6 +67,7 @@ TITLES: Mapping[str, str] = {
     "service_unavailable": "Database or disk are away",
     "stored_data": "Stored data are damaged",
     "structure": "The structure cannot be analysed",
+    "time_limit": "The job took too long",
     "underdetermined": "There are fewer equations than unknowns",
     "unknown_dof": "The structure has no such degree of freedom",
     "unsupported_media_type": "The body has another content type than the address takes",
@@ -207,7 +208,7 @@ class _Seldom:
 
     def warn(self, message: str, **more: object) -> None:
         """Log a warning unless one was logged a short while ago."""
-        if time.monotonic() - self._said > JOB_STREAM.repeated_warning:
+        if time.monotonic() - self._said > READINESS.repeated_warning:
             self._said = time.monotonic()
             _log.warning(message, **more)
 

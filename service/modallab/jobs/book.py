@@ -53,16 +53,15 @@ class JobBook:
             "request_digest": None if request is None else request.digest,
         }
         queue_length = sa.select(sa.func.count()).where(JOBS.c.state == JobState.QUEUED.value)
-        with self._engine.begin() as connection:
-            if connection.execute(queue_length).scalar_one() >= self._queue_length:
-                raise QueueFullError("as many jobs wait as may", allowed=self._queue_length)
-            try:
+        try:
+            with self._engine.begin() as connection:
+                if connection.execute(queue_length).scalar_one() >= self._queue_length:
+                    raise QueueFullError("as many jobs wait as may", allowed=self._queue_length)
                 connection.execute(JOBS.insert().values(**row))
-            except sa.exc.IntegrityError:  # the same request came twice at once
-                known = None if request is None else self._of_request(owner, request)
-                if known is None:
-                    raise
-                return known
+        except sa.exc.IntegrityError:  # the same request came twice at once
+            if request is None or (known := self._of_request(owner, request)) is None:
+                raise
+            return known
         return self.get(row["id"])
 
     def _of_request(self, owner: str, request: RequestKey) -> Job | None:
@@ -78,7 +77,7 @@ class JobBook:
                 value=request.key,
                 allowed="a new key for each request, the same for its repetition",
             )
-        return self._shown(row._asdict())
+        return self._with_places([_job(row._asdict())])[0]
 
     def get(self, job_id: str, *, owner: str | None = None) -> Job:
         """Return a job, of an owner if one is named."""
@@ -89,7 +88,7 @@ class JobBook:
             row = connection.execute(query).first()
         if row is None:
             raise NotFoundError(f"there is no job {job_id!r}", field="job_id", value=job_id)
-        return self._shown(row._asdict())
+        return self._with_places([_job(row._asdict())])[0]
 
     def find(
         self,
@@ -112,25 +111,27 @@ class JobBook:
             query = query.where(age < sa.tuple_(sa.literal(last.created), sa.literal(last.id)))
         query = query.order_by(JOBS.c.created.desc(), JOBS.c.id.desc()).limit(limit)
         with self._engine.begin() as connection:
-            rows = [row._asdict() for row in connection.execute(query)]
-        return [self._shown(row) for row in rows]
+            jobs = [_job(row._asdict()) for row in connection.execute(query)]
+        return self._with_places(jobs)
 
-    def _shown(self, row: Mapping[str, Any]) -> Job:
-        """Return the job of a row, with its place in the queue."""
-        job = _job(row)
-        if job.state is not JobState.QUEUED:
-            return job
-        before = sa.and_(
-            JOBS.c.state == JobState.QUEUED.value,
-            sa.tuple_(JOBS.c.created, JOBS.c.id) < sa.tuple_(sa.literal(job.created), sa.literal(job.id)),
-        )
+    def _with_places(self, jobs: list[Job]) -> list[Job]:
+        """Return jobs, those that wait with their places in the queue and the times until they begin."""
+        if not any(job.state is JobState.QUEUED for job in jobs):
+            return jobs
+        query = sa.select(JOBS.c.id, JOBS.c.task, JOBS.c.state).where(_ACTIVE)
         with self._engine.begin() as connection:
-            tasks = list(connection.execute(sa.select(JOBS.c.task).where(before)).scalars())
-            running = sa.select(JOBS.c.task).where(JOBS.c.state == JobState.RUNNING.value)
-            under_way = list(connection.execute(running).scalars())
-            durations = {name: _usual_duration(connection, name) for name in {*tasks, *under_way}}
-        wait = _wait(tasks, under_way, durations)
-        return replace(job, place=len(tasks) + 1, wait_estimate=wait)
+            active = connection.execute(query.order_by(JOBS.c.created, JOBS.c.id)).all()
+            durations = {task: _usual_duration(connection, task) for task in {row.task for row in active}}
+        under_way = [row.task for row in active if row.state == JobState.RUNNING.value]
+        waiting = [(row.id, row.task) for row in active if row.state == JobState.QUEUED.value]
+        places = {job_id: place for place, (job_id, _) in enumerate(waiting)}
+        tasks = [task for _, task in waiting]
+        return [
+            job
+            if (place := places.get(job.id)) is None
+            else replace(job, place=place + 1, wait_estimate=_wait(tasks[:place], under_way, durations))
+            for job in jobs
+        ]
 
     def active(self) -> list[str]:
         """Return the ids of all jobs that have not ended, oldest first."""

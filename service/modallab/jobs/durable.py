@@ -18,16 +18,15 @@ import structlog
 from anyio import BrokenWorkerProcess, to_thread
 from dbos import DBOS, DBOSClient, Serializer
 from dbos import error as dbos_error
-from sqlalchemy.exc import DBAPIError
 
 from modallab.jobs.book import JobBook
 from modallab.jobs.executors import Executor, ExecutorBook, Watch
-from modallab.jobs.outages import patiently
+from modallab.jobs.outages import is_outage, patiently
 from modallab.jobs.processes import WorkerProcesses
 from modallab.jobs.reconciler import Reconciler
-from modallab.jobs.runner import Job, JobState, RequestKey
+from modallab.jobs.runner import Job, JobState, RequestKey, time_limit_error
 from modallab.jobs.settings import JOB
-from modallab.jobs.work import INTERNAL, TIME_LIMIT, count_shares, perform, perform_share
+from modallab.jobs.work import INTERNAL, count_shares, describe, perform, perform_share
 from modallab.store.engine import make_engine
 from modallab.store.place import StorePlace, engine_of
 
@@ -90,7 +89,7 @@ async def _perform(job_id: str, shares: Sequence[Result] | None) -> None:
         with anyio.fail_after(JOB.time_limit):
             fault = await _site.processes.run(perform, _site.place, job_id, shares)
     except TimeoutError:
-        await to_thread.run_sync(patiently, _site.book.fail, job_id, TIME_LIMIT)
+        await to_thread.run_sync(patiently, _site.book.fail, job_id, describe(time_limit_error()))
         return
     if fault is not None:
         _log.error("job failed", job=job_id, fault=fault)
@@ -99,7 +98,12 @@ async def _perform(job_id: str, shares: Sequence[Result] | None) -> None:
 @_step(name="perform_share")
 async def _perform_share(job_id: str, index: int) -> Result:
     assert _site is not None
-    result, fault = await _site.processes.run(perform_share, _site.place, job_id, index)
+    try:
+        with anyio.fail_after(JOB.time_limit):
+            result, fault = await _site.processes.run(perform_share, _site.place, job_id, index)
+    except TimeoutError:
+        _log.error("share of a job took too long", job=job_id, share=index)
+        return None
     if fault is not None:
         _log.error("share of a job failed", job=job_id, share=index, fault=fault)
     return result
@@ -323,7 +327,9 @@ class DurableRunner:
             if self._client is not None:
                 _Engine(self._client).recover([executor.id])
             self._executors.remove(executor)
-        except DBAPIError as error:  # the others will take this process for lost
+        except Exception as error:  # the others will take this process for lost
+            if not is_outage(error):
+                raise
             _log.warning("jobs could not be handed back", error=str(error).splitlines()[0])
 
     def submit(

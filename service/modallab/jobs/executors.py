@@ -85,7 +85,7 @@ class ExecutorBook:
         """
         watch = Watch()
         while not self._entered(executor):
-            (former,) = [other for other in self.all() if other.id == executor.id] or [executor]
+            former = next((other for other in self.all() if other.id == executor.id), executor)
             if former.dead or former in watch.lost([former]):
                 self.remove(former)
                 continue

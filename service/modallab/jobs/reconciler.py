@@ -108,9 +108,11 @@ class Reconciler:
         self._settle("unwanted", unwanted, self._engine.stop, active=False)
 
     def _take_over(self) -> None:
+        # Owners first: an executor that has a job has entered before, and is then among the executors.
+        owners = self._engine.owners()
         executors = self._executors.all()
         lost = self._watch.lost([e for e in executors if e.holder != self._executor.holder])
-        strangers = self._engine.owners() - {executor.id for executor in executors} - {self._executor.id}
+        strangers = owners - {executor.id for executor in executors} - {self._executor.id}
         gone = {executor.id for executor in lost} | strangers
         if gone:
             _log.info("jobs of lost executors are queued anew", executors=sorted(gone))

@@ -6,6 +6,7 @@ from enum import StrEnum
 from typing import Any, Protocol, Self
 
 from modallab.core.errors import ModalLabError
+from modallab.jobs.settings import JOB
 
 
 class JobState(StrEnum):
@@ -77,6 +78,18 @@ class QueueFullError(ModalLabError):
     """As many jobs wait as may; try again later."""
 
     code = "queue_full"
+
+
+class TimeLimitError(ModalLabError):
+    """A job took longer than one may."""
+
+    code = "time_limit"
+
+
+def time_limit_error() -> TimeLimitError:
+    """Return the error of a job that took too long."""
+    hours = JOB.time_limit / 3600
+    return TimeLimitError(f"the job took longer than {hours:g} hours", allowed=f"{JOB.time_limit:g} s")
 
 
 class NotReadyError(ModalLabError):

@@ -135,12 +135,6 @@ def _performed(place: StorePlace, job_id: str, shares: Sequence[Json] | None) ->
     return None
 
 
-TIME_LIMIT: Mapping[str, Any] = {
-    "code": "time_limit",
-    "title": "TimeLimitError",
-    "detail": f"the job took longer than {JOB.time_limit / 3600:.0f} hours, which is as long as one may take",
-    "context": {"allowed": JOB.time_limit},
-}
 INTERNAL: Mapping[str, Any] = {
     "code": "internal",
     "title": "InternalError",

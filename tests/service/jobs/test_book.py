@@ -1,14 +1,16 @@
 """The book of jobs: what has ended never changes again."""
 
+import time
 from collections.abc import Callable
 
 import pytest
+import sqlalchemy as sa
 
 from modallab.core.errors import NotFoundError
 from modallab.jobs import book as module
 from modallab.jobs.book import JobBook
 from modallab.jobs.durable import JobPlace
-from modallab.jobs.runner import JobState, QueueFullError
+from modallab.jobs.runner import JobState, QueueFullError, RequestKey
 from modallab.store.place import StorePlace, engine_of
 
 Places = tuple[StorePlace, JobPlace]
@@ -86,3 +88,29 @@ def test_a_wait_is_estimated_by_the_latest_jobs_of_the_kind(
     assert stranger.wait_estimate == 90.0
     last = book.open("update_and_store", {}, owner="me")
     assert (last.place, last.wait_estimate) == (3, None)  # nobody knows how long the study takes
+
+
+def test_a_request_that_comes_twice_at_once_starts_one_job(
+    places: Places, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    book, request = book_at(places), RequestKey("mine", "digest")
+    first = book.open("update_and_store", {}, owner="me", request=request)
+    looked = book._of_request
+    answers: list[Callable[..., object]] = [lambda *_: None, looked]  # not there yet at the first look
+    monkeypatch.setattr(book, "_of_request", lambda *given: answers.pop(0)(*given))
+    begin = time.monotonic()
+    assert book.open("update_and_store", {}, owner="me", request=request).id == first.id
+    assert time.monotonic() - begin < 10  # SQLite waits 30 s for a lock that its own thread holds
+    assert len(book.find(owner="me")) == 1
+
+
+def test_jobs_are_found_with_their_places_by_a_few_queries(places: Places) -> None:
+    book = book_at(places, queue_length=100)
+    opened = [book.open("update_and_store", {}, owner="me").id for _ in range(30)]
+    queries: list[str] = []
+    engine = engine_of(places[0])
+    sa.event.listen(engine, "before_cursor_execute", lambda *given: queries.append(given[2]))
+    found = book.find(owner="me")
+    assert [job.place for job in found] == list(range(30, 0, -1))
+    assert [job.id for job in found] == opened[::-1]
+    assert len(queries) <= 5

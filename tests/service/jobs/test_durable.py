@@ -267,23 +267,43 @@ def test_a_job_that_is_ended_again_and_again_fails(places: Places, monkeypatch: 
     run(places, work)
 
 
-def test_what_ran_on_a_lost_executor_runs_on_another(places: Places) -> None:
-    jobs: list[Job] = []
+def test_an_executor_that_ends_leaves_the_others(places: Places) -> None:
+    async def work(runner: DurableRunner) -> None:
+        (executor,) = ExecutorBook(engine_of(places[0])).all()
+        assert (executor.id, executor.pid) == ("test", os.getpid())
+        assert runner.is_served()
 
-    async def begin(runner: DurableRunner) -> None:
-        given = arguments(places, UpdateOptions(max_iterations=2))
-        assert runner._client is not None
-        job = book_at(places).open("update_and_store", given, owner="me")
-        jobs.append(job)
-        await anyio.sleep(0)
+    run(places, work)
+    assert ExecutorBook(engine_of(places[0])).all() == []
 
-    async def go_on(runner: DurableRunner) -> None:
-        ended = await until(runner, jobs[0], lambda j: j.state.final)
-        assert ended.state is JobState.SUCCEEDED, ended
 
-    run(places, begin)
-    run(places, go_on)
-    assert ExecutorBook(engine_of(places[0])).all() == []  # both have left
+def test_a_job_that_takes_too_long_fails_and_says_so(places: Places, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("modallab.jobs.durable.JOB", replace(JOB, time_limit=3.0))
+
+    async def work(runner: DurableRunner) -> None:
+        given = arguments(places, ENDLESS)
+        job = await to_thread.run_sync(partial(runner.submit, "update_and_store", given, owner="me"))
+        ended = await until(runner, job, lambda j: j.state.final)
+        assert ended.state is JobState.FAILED
+        assert ended.error is not None
+        assert ended.error["code"] == "time_limit"
+        assert "hours" in ended.message
+
+    run(places, work)
+
+
+def test_a_share_that_takes_too_long_does_not_hold_its_study(
+    places: Places, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("modallab.jobs.durable.JOB", replace(JOB, time_limit=3.0))
+
+    async def work(runner: DurableRunner) -> None:
+        given = studying(places, 1, ENDLESS)
+        job = await to_thread.run_sync(partial(runner.submit, "study_and_store", given, owner="me"))
+        ended = await until(runner, job, lambda j: j.state.final)
+        assert ended.state in (JobState.FAILED, JobState.SUCCEEDED)
+
+    run(places, work)
 
 
 def test_a_second_executor_of_a_name_is_refused(places: Places) -> None:
