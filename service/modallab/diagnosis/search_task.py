@@ -24,7 +24,7 @@ from modallab.diagnosis.residuals.frf_selection import FrfSelection
 from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.searching.acceptance import is_noise_only, ranked_by_bic, unexplained_parts
 from modallab.diagnosis.searching.search import search
-from modallab.diagnosis.searching.search_path import SearchPath
+from modallab.diagnosis.searching.search_path import SearchPath, kind_and_place
 from modallab.diagnosis.searching.search_round import Suspects, fit_candidates
 from modallab.diagnosis.searching.settings import ROUND
 from modallab.diagnosis.settings import DIAGNOSIS
@@ -96,13 +96,13 @@ class SearchTask:
             return (second, assumed) if found.unexplained_parts else (found, None)
         if "frf" not in found.unexplained_parts:
             return found, None
-        alone = fit(second.predictor, found.path.fit.effects)
+        alone = fit(second.predictor, found.path.fit.effects, near=second.path.fit)
         if not is_noise_only(second.predictor, alone) and self.max_effects > 1:
             first.predictor.budget.limit_to(BUDGET.first_search)
             found = self._search_from(first, self.max_effects, part(pulse, 0.5, 0.75), single_effects)
             if "frf" not in found.unexplained_parts:
                 return found, None
-        refitted = self._refitted(single_effects, second)
+        refitted = self._refitted(single_effects, second, alone)
         return self._search_from(second, self.max_effects, part(pulse, 0.75, 1.0), refitted), assumed
 
     def _start(self, tolerances: Tolerances, pulse: Pulse) -> SearchResult:
@@ -119,17 +119,29 @@ class SearchTask:
         )
 
     @staticmethod
-    def _refitted(fits: Sequence[Fit], second: SearchResult) -> list[Fit] | None:
+    def _refitted(fits: Sequence[Fit], second: SearchResult, alone: Fit) -> list[Fit] | None:
         """Return fits of single effects under the second tolerances; None if none closes most of the gap.
 
         Tolerances can hide which effect is the largest only where they explain as much as it does.
+
+        Parameters
+        ----------
+        alone
+            Fit of the effects of the first search under the second tolerances.
         """
         if not fits or ROUND.competitive_cost * fits[0].chi_square > second.path.fit.chi_square:
             return None
         limit = ROUND.competitive_cost * fits[0].chi_square
-        competitive = [one for i, one in enumerate(fits) if i < ROUND.min_fits or one.chi_square < limit]
+        # Beside an effect that leaves noise alone, one that leaves far more is no rival.
+        n_least = 1 if is_noise_only(second.predictor, alone) else ROUND.min_fits
+        competitive = [one for i, one in enumerate(fits) if i < n_least or one.chi_square < limit]
         predictor = second.predictor.with_nuisances_at(second.path.fit.starting_position)
-        return ranked_by_bic([fit(predictor, one.effects) for one in competitive])
+
+        def refitted(single: Fit) -> Fit:
+            same = _names(single.effects) == _names(alone.effects)
+            return alone if same else fit(predictor, single.effects, near=second.path.fit)
+
+        return ranked_by_bic([refitted(single) for single in competitive])
 
     def _search_from(
         self,
@@ -152,6 +164,10 @@ class SearchTask:
     def _suspects(self, predictor: Predictor) -> Suspects:
         least_suspicion = DIAGNOSIS.least_suspicion if self.suspects is None else 0.0
         return Suspects(suspected(predictor, self.suspects), least_suspicion)
+
+
+def _names(effects: Sequence[Effect]) -> list[tuple[str, str]]:
+    return [kind_and_place(effect) for effect in effects]
 
 
 def _deviate_far(nuisances: Nuisances, found: Fit, stated: Tolerances) -> bool:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property, partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from modallab.core.arrays import FloatArray
 from modallab.core.numerics import SAFE_SQUARED_DIVISOR
@@ -46,6 +47,8 @@ class Fit:
     """(n,) of the nuisance parameters, standard deviations."""
     starting_position: FloatArray = field(default_factory=lambda: np.zeros(0))
     """(n,) to search from: as far as an effect is missing, drawn back to the declared values."""
+    nuisance_derivatives: NDArray[np.float32] | None = None
+    """(n_data, n) of residuals by the fitted nuisance parameters without effects; None if not known."""
 
     @cached_property
     def _errors(self) -> ParameterErrors:
@@ -83,7 +86,13 @@ class Fit:
         return self.correlation_length * float(np.log(independent))
 
 
-def fit(predictor: Predictor, effects: Sequence[Effect], *, fixed: Sequence[Effect] = ()) -> Fit:
+def fit(
+    predictor: Predictor,
+    effects: Sequence[Effect],
+    *,
+    fixed: Sequence[Effect] = (),
+    near: Fit | None = None,
+) -> Fit:
     """Return the effects with all their parameters fitted together, from starts near the solution.
 
     Bounded least squares on logarithmic ratios.
@@ -92,9 +101,12 @@ def fit(predictor: Predictor, effects: Sequence[Effect], *, fixed: Sequence[Effe
     ----------
     fixed
         Effects that act but are not fitted.
+    near
+        Fit of the same data whose derivatives by nuisance parameters the first steps take.
     """
     plain, predictor = predictor, predictor.with_intermittent_errors([*fixed, *effects])
-    task = _FitTask(predictor, fixed, ParameterVector(effects))
+    known = None if near is None or predictor.observed is not plain.observed else near.nuisance_derivatives
+    task = _FitTask(predictor, fixed, ParameterVector(effects), known)
     start, derivatives = _minimised(task)
     fitted_residual, final, position = task.residuals[start.tobytes()], *task.at(start)
     observed = predictor.observed
@@ -126,6 +138,7 @@ def fit(predictor: Predictor, effects: Sequence[Effect], *, fixed: Sequence[Effe
         compute_errors,
         position,
         starting_position,
+        known if effects or fixed else derivatives.astype(np.float32),
     )
 
 
@@ -139,11 +152,14 @@ def _minimised(task: "_FitTask") -> tuple[FloatArray, FloatArray]:
     low = np.concatenate([parameters.low, -NUISANCE.max_deviation * free])
     high = np.concatenate([parameters.high, NUISANCE.max_deviation * free])
     minimum = BoundedGaussNewton(task.vector, task.derivatives, start, (low, high))
+    tolerated = len(task.free) * FIT.nuisance_tolerance
     minimum.minimise(
-        evaluations=FIT.max_evaluations, tolerance=FIT.coarse_tolerance, excess_share=FIT.excess_share
+        evaluations=FIT.max_evaluations,
+        tolerance=FIT.coarse_tolerance + tolerated,
+        excess_share=FIT.excess_share,
     )
     if float(minimum.vector @ minimum.vector) < FIT.near_noise * len(minimum.vector):
-        minimum.minimise(evaluations=FIT.max_evaluations, tolerance=FIT.tolerance)
+        minimum.minimise(evaluations=FIT.max_evaluations, tolerance=FIT.tolerance + tolerated)
     return minimum.position, minimum.jacobian[: len(minimum.vector) - len(task.free)]
 
 
@@ -182,8 +198,15 @@ def _prior_step(derivatives: FloatArray, position: FloatArray) -> FloatArray:
 class _FitTask:
     """Residuals of a fit by the parameters of effects and, after them, nuisance parameters."""
 
-    def __init__(self, predictor: Predictor, fixed: Sequence[Effect], parameters: ParameterVector) -> None:
+    def __init__(
+        self,
+        predictor: Predictor,
+        fixed: Sequence[Effect],
+        parameters: ParameterVector,
+        known: NDArray[np.float32] | None,
+    ) -> None:
         self.predictor, self.fixed, self.parameters = predictor, tuple(fixed), parameters
+        self._known = known
         observed = predictor.observed
         # Parameters of held-out channels alone act on no fitted line: they are fitted afterwards.
         self.free, self.held_out = predictor.nuisances.split(observed.outputs, observed.held_out)
@@ -224,6 +247,9 @@ class _FitTask:
         by_parameters = self.parameters.derivatives(
             u[: len(self.parameters)], lambda perturbed: vector(predict_fitted(perturbed)), vector(base)
         )
+        known, self._known = self._known, None  # they serve once: where they mislead they are renewed
+        if known is not None:
+            return with_prior_rows(by_parameters, known.astype(float), self._prior)
         by_nuisances = self.predictor.nuisances.derivatives(
             lambda deviations: predict([*deviations, *self.fixed, *effects]),
             vector,

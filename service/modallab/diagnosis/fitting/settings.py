@@ -28,6 +28,12 @@ class FitSettings(Settings):
         doc="predicted gain at which a fit near the data ends",
         derived="a hundredth of a standard error",
     )
+    nuisance_tolerance: float = setting(
+        1e-3,
+        unit="squared standard deviations",
+        doc="predicted gain, for each nuisance parameter, at which a fit ends",
+        derived="a thirtieth of a standard deviation; a hundred of them change chi-square by 0.1",
+    )
     max_evaluations: int = setting(
         12,
         unit="evaluations",

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import scipy
 
-from modallab.core.arrays import FloatArray
+from modallab.core.arrays import BoolArray, FloatArray
 from modallab.core.errors import InvalidInputError
 from modallab.core.numerics import PRODUCT_ROUNDING
 from modallab.diagnosis.optimisation.settings import DIFFERENCE, LEAST_SQUARES
@@ -70,20 +70,23 @@ class BoundedGaussNewton:
             last_gain = predicted_gain
             cost = self._cost(self.vector, weights)
             n_data = len(self.vector)
-            if not predicted_gain > tolerance * max(1.0, cost / n_data) + excess_share * max(
-                cost - n_data, 0
-            ):
+            least_gain = tolerance * max(1.0, cost / n_data) + excess_share * max(cost - n_data, 0)
+            if not predicted_gain > least_gain:
                 return
             target = (self.position + step).clip(self._low, self._high)
             vector = self._evaluate(target)
             gain = -np.inf if vector is None else cost - self._cost(vector, weights)
             successful = np.isfinite(gain) and gain > 0
             longest = float(np.abs(step).max())
+            # Errors of derivatives promise a gain even at the minimum.
+            at_minimum = self._fresh and abs(gain) < least_gain
             if vector is not None and successful:
                 self._move(target, vector)
                 trust_radius = max(trust_radius, LEAST_SQUARES.growth * longest)
             else:
                 trust_radius = longest / LEAST_SQUARES.shrinkage
+            if at_minimum:
+                return
             if not self._fresh and not (successful and gain > LEAST_SQUARES.poor_gain * predicted_gain):
                 self._renew()
 
@@ -199,15 +202,34 @@ class BoundedQuadratic:
         Parameters whose gradient points out of a bound stay there; Bertsekas, SIAM Journal on Control and
         Optimization 20 (1982), 221, without its line search: the best step is returned.
         """
-        best, minimum, identity = np.zeros_like(step), np.zeros(len(step)), np.eye(step.shape[1])
+        newton = -(gradient @ self._inverse)
+        best, minimum = np.zeros_like(step), np.zeros(len(step))
         for _ in range(LEAST_SQUARES.projected_steps):
             slope = gradient + step @ self._curvature
             value = np.sum(step * (gradient + slope), axis=-1)
             better = value < minimum
             best[better], minimum[better] = step[better], value[better]
-            free = ~(((step <= low) & (slope > 0)) | ((step >= high) & (slope < 0)))
-            free_pairs = free[:, :, None] & free[:, None, :]
-            target = np.where(free, slope, 0.0)[..., None]
-            newton = np.linalg.solve(np.where(free_pairs, self._curvature, identity), target)[..., 0]
-            step = (step - newton).clip(low, high)
+            bound = ((step <= low) & (slope > 0)) | ((step >= high) & (slope < 0))
+            step = self._with_fixed(newton, step, bound).clip(low, high)
         return best
+
+    def _with_fixed(self, newton: FloatArray, position: FloatArray, fixed: BoolArray) -> FloatArray:
+        """Return the minima (n_steps, n) with some parameters fixed at their positions.
+
+        By the fixed parameters' block of the inverse curvature, which is small where few are fixed, in place
+        of the free parameters' block of the curvature.
+
+        Parameters
+        ----------
+        newton
+            (n_steps, n) minima without a fixed parameter.
+        """
+        n_fixed = int(fixed.sum(axis=1).max())
+        index = np.argsort(~fixed, axis=1, kind="stable")[:, :n_fixed]
+        used = np.take_along_axis(fixed, index, axis=1)
+        pairs = used[:, :, None] & used[:, None, :]
+        block = np.where(pairs, self._inverse[index[:, :, None], index[:, None, :]], np.eye(n_fixed))
+        shift = np.where(used, np.take_along_axis(newton - position, index, axis=1), 0.0)
+        forces = np.zeros_like(newton)
+        np.put_along_axis(forces, index, np.linalg.solve(block, shift[..., None])[..., 0], axis=1)
+        return np.asarray(np.where(fixed, position, newton - forces @ self._inverse))

@@ -56,7 +56,7 @@ def fit_candidates(predictor: Predictor, base: Fit, suspects: Suspects, *, progr
     nonlinear = [effect for effect in likely if effect.on_motion() is not None]
     share = ROUND.linear_share if nonlinear else 1.0
     suspected = {kind_and_place(effect) for effect in suspects.effects}
-    candidates = _Round(predictor, base.effects, suspected)
+    candidates = _Round(predictor, base, suspected)
     candidates.examine(linear, part(progress, 0.0, share))
     if candidates.explanation is not None:
         explanation, system = candidates.explanation, predictor.system
@@ -70,11 +70,10 @@ def fit_candidates(predictor: Predictor, base: Fit, suspects: Suspects, *, progr
 class _Round:
     """Suspects beside accepted effects: all scanned, the best of them fitted."""
 
-    def __init__(
-        self, predictor: Predictor, accepted: tuple[Effect, ...], suspected: set[tuple[str, str]]
-    ) -> None:
-        self._predictor, self._accepted, self._suspected = predictor, accepted, suspected
-        self._coarse = predictor.coarse_prediction(accepted)
+    def __init__(self, predictor: Predictor, base: Fit, suspected: set[tuple[str, str]]) -> None:
+        self._predictor, self._base, self._suspected = predictor, base, suspected
+        self._accepted = base.effects
+        self._coarse = predictor.coarse_prediction(base.effects)
         self._candidates: dict[tuple[str, str], tuple[float, Effect]] = {}
         self._fitted: set[tuple[str, str]] = set()
         self._max_cost = np.inf  # of a coarse fit
@@ -159,14 +158,14 @@ class _Round:
         reduced = None if best is None else best.effects[-1].reduced_model()
         if reduced is not None and kind_and_place(reduced[0]) in self._suspected - self._fitted:
             with suppress(InvalidInputError):
-                self.fits.append(fit(self._predictor, (*self._accepted, reduced[0])))
+                self.fits.append(fit(self._predictor, (*self._accepted, reduced[0]), near=self._base))
 
     def _fit(self, cost: float, effect: Effect) -> None:
         if kind_and_place(effect) in self._fitted:
             return
         self._fitted.add(kind_and_place(effect))
         with suppress(InvalidInputError):
-            candidate = fit(self._predictor, (*self._accepted, effect))
+            candidate = fit(self._predictor, (*self._accepted, effect), near=self._base)
             self.fits.append(candidate)
             if ROUND.hopeless_cost * cost < self._max_cost and self._explains(candidate):
                 self._max_cost, self.explanation = ROUND.hopeless_cost * cost, effect
