@@ -90,6 +90,103 @@ class CatalogueEntry:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Class:
+    """A class of students."""
+
+    created: str
+    """ISO 8601, UTC."""
+    expires: str | None
+    """ISO 8601, UTC, when the keys of its members expire; null: never."""
+    id: str
+    """Id of the class."""
+    name: str
+    """Name of the class."""
+    owner: str
+    """Id of the key of its instructor."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Classes:
+    """All classes."""
+
+    items: tuple[Class, ...]
+    """Classes, newest first."""
+
+
+Role = Literal["admin", "instructor", "student", "service"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Key:
+    """An API key, without its secret."""
+
+    class_id: str | None
+    """Class that the holder is a member of; null: of no class."""
+    created: str
+    """ISO 8601, UTC."""
+    expires: str | None
+    """ISO 8601, UTC, first moment at which it does not count; null: it never expires."""
+    id: str
+    """Id of the key, and owner of what is made with it."""
+    name: str
+    """Name of the person or program that holds it."""
+    revoked: str | None
+    """ISO 8601, UTC; null: it has not been revoked."""
+    role: Role
+    """What the holder may do."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Roll:
+    """A class of students."""
+
+    created: str
+    """ISO 8601, UTC."""
+    expires: str | None
+    """ISO 8601, UTC, when the keys of its members expire; null: never."""
+    id: str
+    """Id of the class."""
+    members: tuple[Key, ...]
+    """Keys of the members, newest first."""
+    name: str
+    """Name of the class."""
+    owner: str
+    """Id of the key of its instructor."""
+    shares: tuple[str, ...]
+    """Ids of what is shared with the class."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class NewKey:
+    """An API key, without its secret."""
+
+    class_id: str | None
+    """Class that the holder is a member of; null: of no class."""
+    created: str
+    """ISO 8601, UTC."""
+    expires: str | None
+    """ISO 8601, UTC, first moment at which it does not count; null: it never expires."""
+    id: str
+    """Id of the key, and owner of what is made with it."""
+    key: str
+    """The key itself, told this once."""
+    name: str
+    """Name of the person or program that holds it."""
+    revoked: str | None
+    """ISO 8601, UTC; null: it has not been revoked."""
+    role: Role
+    """What the holder may do."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class NewMembers:
+    """Keys of new members."""
+
+    members: tuple[NewKey, ...]
+    """Keys in the order of the names."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class StoredEntry:
     """Identity and origin of a stored object."""
 
@@ -99,6 +196,8 @@ class StoredEntry:
     """id of the stored object"""
     made_from: Mapping[str, str] = field(hash=False)
     """ids of the objects it was made from, by role"""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     seed: int | None
     """seed of its random numbers; null where there are none"""
     version: str
@@ -175,6 +274,8 @@ class Correlation(CorrelationMethods):
     """ids of the objects it was made from, by role"""
     orthogonality: Orthogonality | None
     """Orthogonality in the reduced mass matrix, where a reduction was requested."""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     pairs: tuple[tuple[int, int], ...]
     """Paired modes (measured, model), counted from 1."""
     pole_weighted_mac: FloatArray | None
@@ -206,6 +307,8 @@ class JobStatus(JobStatusMethods):
     """Id of the job."""
     message: str
     """Step under way."""
+    owner: str
+    """Owner of the job and of its result."""
     place: int | None
     """1, place in the queue, 1 for the next; null: the job does not wait."""
     result_id: str | None
@@ -543,6 +646,8 @@ class Diagnosis(DiagnosisMethods):
     """Proposed further test; null: no rival is left."""
     notes: tuple[str, ...]
     """Limitations of this diagnosis, in plain English."""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     remaining_gap: float | None
     """Gap (mean squared residual) over all usable FRFs with all added effects; 1: random error alone."""
     remaining_scatter: float | None
@@ -601,6 +706,16 @@ class JobPage:
 
     items: tuple[JobStatus, ...]
     """Jobs, newest first."""
+    next: str | None
+    """Value of `after` for the next page; null at the end."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class KeyPage:
+    """Page of a list of keys."""
+
+    items: tuple[Key, ...]
+    """Keys, newest first."""
     next: str | None
     """Value of `after` for the next page; null at the end."""
 
@@ -878,6 +993,8 @@ class Measurement(MeasurementMethods):
     """Remarks on systematic changes of the FRFs."""
     outputs: tuple[str, ...]
     """Response DoFs."""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     rig: RigSetup
     """Rig as declared."""
     rig_id: str
@@ -954,6 +1071,8 @@ class MeasurementLog:
     """1, relative error of the FRFs as their owner states it, at or above the median."""
     notes: tuple[str, ...]
     """Remarks on systematic changes of the FRFs."""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     rig: Mapping[str, Any] = field(hash=False)
     """Body of `POST /v1/rigs` that declares the same rig."""
     rig_id: str
@@ -1137,6 +1256,8 @@ class ModalModel(ModalModelMethods):
     """Remarks on the extraction, in sentences; of more than three that differ in numbers only the first, and with `?details=notes` all."""
     options: Mapping[str, int | float | str | None]
     """Options of the extraction method as asked for; null was left to the method."""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     ranges: tuple[tuple[float, float], ...]
     """Hz, first and last line of each range that the modes were extracted from."""
     references: tuple[str, ...]
@@ -1282,6 +1403,8 @@ class Rig:
     """ids of the objects it was made from, by role"""
     noise: Noise
     """White noise of the channels."""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     responses: tuple[str, ...]
     """Response DoFs."""
     seed: int | None
@@ -1340,6 +1463,8 @@ class Structure:
     """Number of nodes."""
     name: str
     """Name of the structure."""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     seed: int | None
     """seed of its random numbers; null where there are none"""
     version: str
@@ -1388,6 +1513,8 @@ class ExpandedModalModel:
     """Remarks on the extraction, in sentences; of more than three that differ in numbers only the first, and with `?details=notes` all."""
     options: Mapping[str, int | float | str | None] = field(hash=False)
     """Options of the extraction method as asked for; null was left to the method."""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     ranges: tuple[tuple[float, float], ...]
     """Hz, first and last line of each range that the modes were extracted from."""
     rayleigh_frequencies: tuple[float, ...]
@@ -1418,6 +1545,8 @@ class StructureModes(StructureModesMethods):
     """ids of the objects it was made from, by role"""
     n_rigid_body: int
     """Number of rigid-body modes, which are not listed."""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     seed: int | None
     """seed of its random numbers; null where there are none"""
     version: str
@@ -1589,6 +1718,8 @@ class Study(StudyMethods):
     """id of the stored object"""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     plan: StudyPlan
     """Plan of the study."""
     runs: tuple[StudyUpdate, ...]
@@ -1745,6 +1876,8 @@ class IterativeUpdate(IterativeUpdateMethods):
     """MAC of paired modes (n_modes,): `before`, `location`, `after`."""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     posterior: PosteriorSample | None
     """Draws from the posterior; null where none were asked for."""
     quantities: tuple[Quantity, ...]
@@ -1823,6 +1956,8 @@ class ResponseBasedUpdate(ResponseBasedUpdateMethods):
     """Update on FRFs: coefficients are corrected by iteration."""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     posterior: PosteriorSample | None
     """Draws from the posterior; null where none were asked for."""
     quantities: tuple[Quantity, ...]
@@ -1905,6 +2040,8 @@ class DirectUpdate(DirectUpdateMethods):
     """Remarks for readers."""
     other_modes: OtherModes | None
     """Modes of the model without a used measured mode; null without a correction."""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     reproduced: float | None
     """Largest relative error of a used frequency, or of 1 - MAC; null without a correction."""
     seed: int | None
@@ -1937,6 +2074,8 @@ class ErrorLocation(ErrorLocationMethods):
     """ids of the objects it was made from, by role"""
     method: str
     """Name of the method."""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     rank: int
     """Rank of the balanced sensitivity matrix."""
     remaining: FloatArray

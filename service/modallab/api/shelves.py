@@ -2,7 +2,7 @@
 
 from fastapi import APIRouter, status
 
-from modallab.api.deps import After, IdPath, Limit, OwnerDep, StoreDep
+from modallab.api.deps import After, IdPath, Limit, OwnerWanted, StoreDep
 from modallab.api.wire import Reply, StoredEntry
 from modallab.store.base import Shelf, Store
 
@@ -40,7 +40,9 @@ def add_routes(router: APIRouter, shelf: str, singular: str) -> None:
         summary=f"List {plural}",
         description=f"Return the stored {plural} page by page, newest first.",
     )
-    def list_entries(store: StoreDep, owner: OwnerDep, limit: Limit = 100, after: After = None) -> Page:
+    def list_entries(
+        store: StoreDep, owner: OwnerWanted = None, limit: Limit = 100, after: After = None
+    ) -> Page:
         entries = of(store).list(owner=owner, limit=limit, cursor=after)
         items = [StoredEntry(**StoredEntry.fields(entry)) for entry in entries]
         return Page(items=items, next=items[-1].id if len(items) == limit else None)

@@ -7,6 +7,7 @@ from typing import Any, Protocol, TypeVar
 
 from modallab.core.errors import ModalLabError
 from modallab.core.place import EffectSpec
+from modallab.store.viewer import Viewer
 
 T = TypeVar("T")
 
@@ -15,6 +16,18 @@ class InUseError(ModalLabError):
     """Something else that is stored was made from this."""
 
     code = "in_use"
+
+
+class ForbiddenError(ModalLabError):
+    """The key does not allow this."""
+
+    code = "forbidden"
+
+
+class UnauthorisedError(ModalLabError):
+    """No key was sent, or one that is not valid."""
+
+    code = "unauthorized"  # as HTTP spells it
 
 
 class StoredDataError(ModalLabError):
@@ -72,8 +85,8 @@ class Shelf(Protocol[T]):
         """Return what is known of a thing; `NotFoundError` if there is none."""
         ...
 
-    def list(self, *, owner: str, limit: int, cursor: str | None = None) -> list[Entry]:
-        """Return the newest entries of an owner, those older than `cursor`."""
+    def list(self, *, owner: str | None = None, limit: int, cursor: str | None = None) -> list[Entry]:
+        """Return the newest entries, of an owner if one is named, those older than `cursor`."""
         ...
 
     def npz(self, id: str) -> bytes:
@@ -118,6 +131,10 @@ class Store(Protocol):
     studies: Shelf[Any]
     diagnoses: Shelf[Any]
     truths: TruthShelf
+
+    def as_seen_by(self, viewer: Viewer) -> "Store":
+        """Return the store in which only what is there for the viewer exists."""
+        ...
 
     def together(self) -> "AbstractContextManager[Store]":
         """Return a store whose additions are seen all at once when the block ends, or never."""

@@ -13,11 +13,12 @@ from sqlalchemy.exc import IntegrityError
 import modallab
 from modallab.core.errors import NotFoundError
 from modallab.store.arrays import ArrayFiles
-from modallab.store.base import Entry, InUseError, Truth
+from modallab.store.base import Entry, ForbiddenError, InUseError, Truth
 from modallab.store.codec import CODECS, Codec
 from modallab.store.npz import pack, unpack
 from modallab.store.plain import from_plain, to_plain
 from modallab.store.tables import LINKS, THINGS, TRUTHS
+from modallab.store.viewer import EVERYONE, Viewer, manageable, readable
 
 T = TypeVar("T")
 Connect = Callable[[], AbstractContextManager[sa.Connection]]
@@ -42,8 +43,11 @@ def insert_once(connection: sa.Connection, table: sa.Table, row: Mapping[str, An
 class SqlShelf(Generic[T]):
     """Things of one kind: metadata and body in a row, arrays in a file."""
 
-    def __init__(self, kind: str, codec: Codec[T], connect: Connect, files: ArrayFiles) -> None:
+    def __init__(
+        self, kind: str, codec: Codec[T], connect: Connect, files: ArrayFiles, viewer: Viewer = EVERYONE
+    ) -> None:
         self._kind, self._codec, self._connect, self._files = kind, codec, connect, files
+        self._viewer = viewer
 
     def add(
         self,
@@ -85,9 +89,9 @@ class SqlShelf(Generic[T]):
             ) from None
 
     def _row(self, id: str, *columns: sa.Column[Any]) -> sa.Row[Any]:
-        condition = (THINGS.c.id == id) & (THINGS.c.kind == self._kind)
+        query = sa.select(*columns).where(THINGS.c.id == id, THINGS.c.kind == self._kind)
         with self._connect() as connection:
-            row = connection.execute(sa.select(*columns).where(condition)).first()
+            row = connection.execute(query.where(readable(self._viewer))).first()
         if row is None:
             raise NotFoundError(f"there is no {self._kind} {id!r}", field=f"{self._kind}_id", value=id)
         return row
@@ -102,10 +106,12 @@ class SqlShelf(Generic[T]):
         """Return the entry of a thing."""
         return Entry(**self._row(id, *_ENTRY)._mapping)
 
-    def list(self, *, owner: str, limit: int, cursor: str | None = None) -> list[Entry]:
-        """Return the newest entries of an owner, those older than `cursor`."""
+    def list(self, *, owner: str | None = None, limit: int, cursor: str | None = None) -> list[Entry]:
+        """Return the newest entries, of an owner if one is named, those older than `cursor`."""
         age = sa.tuple_(THINGS.c.created, THINGS.c.id)
-        query = sa.select(*_ENTRY).where(THINGS.c.kind == self._kind, THINGS.c.owner == owner)
+        query = sa.select(*_ENTRY).where(THINGS.c.kind == self._kind, readable(self._viewer))
+        if owner is not None:
+            query = query.where(THINGS.c.owner == owner)
         if cursor is not None:
             query = query.where(age < sa.tuple_(*self._row(cursor, THINGS.c.created, THINGS.c.id)))
         query = query.order_by(THINGS.c.created.desc(), THINGS.c.id.desc()).limit(limit)
@@ -120,9 +126,13 @@ class SqlShelf(Generic[T]):
     def remove(self, id: str) -> None:
         """Forget a thing."""
         digest = self._row(id, THINGS.c.arrays_hash).arrays_hash
+        removal = THINGS.delete().where(THINGS.c.id == id, manageable(THINGS.c.owner, self._viewer))
         try:
             with self._connect() as connection:
-                connection.execute(THINGS.delete().where(THINGS.c.id == id))
+                if connection.execute(removal.returning(THINGS.c.id)).first() is None:
+                    raise ForbiddenError(
+                        f"this {self._kind} is shared with your class, and not yours to remove"
+                    )
         except IntegrityError:
             raise InUseError(
                 f"the {self._kind} {id!r} is what something else was made from", value=id
@@ -168,10 +178,10 @@ class SqlTruths:
 
 
 class SqlStore:
-    """Everything that is kept, in a database and a place for array files."""
+    """Everything that is kept, in a database and a place for array files, as a viewer sees it."""
 
-    def __init__(self, connect: Connect, files: ArrayFiles) -> None:
-        self._connect, self._files = connect, files
+    def __init__(self, connect: Connect, files: ArrayFiles, viewer: Viewer = EVERYONE) -> None:
+        self._connect, self._files, self._viewer = connect, files, viewer
         self.structures = self._shelf("structure")
         self.rigs = self._shelf("rig")
         self.measurements = self._shelf("measurement")
@@ -183,10 +193,14 @@ class SqlStore:
         self.truths = SqlTruths(connect)
 
     def _shelf(self, kind: str) -> SqlShelf[Any]:
-        return SqlShelf(kind, CODECS[kind], self._connect, self._files)
+        return SqlShelf(kind, CODECS[kind], self._connect, self._files, self._viewer)
+
+    def as_seen_by(self, viewer: Viewer) -> "SqlStore":
+        """Return the store in which only what is there for the viewer exists."""
+        return self if viewer == self._viewer else SqlStore(self._connect, self._files, viewer)
 
     @contextmanager
     def together(self) -> Iterator["SqlStore"]:
         """Return a store whose additions are seen all at once when the block ends, or never."""
         with self._connect() as connection:
-            yield SqlStore(lambda: nullcontext(connection), self._files)
+            yield SqlStore(lambda: nullcontext(connection), self._files, self._viewer)

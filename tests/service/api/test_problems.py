@@ -67,7 +67,7 @@ def test_an_unknown_query_parameter_is_refused(service: Any) -> None:
     problem = reply.json()
     assert (reply.status_code, problem["code"]) == (422, "invalid_request")
     assert problem["detail"] == "query.limti: there is no such field; did you mean `limit`?"
-    assert problem["context"]["allowed"] == ["after", "limit"]
+    assert problem["context"]["allowed"] == ["after", "limit", "owner"]
 
 
 def test_an_unknown_field_of_a_form_is_refused(service: Any) -> None:
