@@ -1,11 +1,11 @@
-"""Who sends a request, and what his key allows."""
+"""Who sends a request, and what their key allows."""
 
 from dataclasses import dataclass
 from typing import Annotated, Any
 
 from fastapi import Depends, Request
 
-from modallab.store.base import ForbiddenError
+from modallab.store.base import ForbiddenError, UnauthorisedError
 from modallab.store.keys import Key, Role
 from modallab.store.viewer import EVERYONE, NOBODY, Viewer
 
@@ -16,7 +16,7 @@ class Caller:
 
     viewer: Viewer
     key: Key | None = None
-    """His key; None: the service has no keys, or the address needs none."""
+    """The key that was sent; None: the service has no keys, or the address needs none."""
 
 
 WITHOUT_KEYS = Caller(EVERYONE)
@@ -33,20 +33,22 @@ CallerDep = Annotated[Caller, Depends(_caller)]
 
 
 async def _person(caller: CallerDep) -> None:
-    _check(caller.key, (Role.ADMIN, Role.INSTRUCTOR, Role.STUDENT))
+    _check(caller, (Role.ADMIN, Role.INSTRUCTOR, Role.STUDENT))
 
 
 async def _teacher(caller: CallerDep) -> None:
-    _check(caller.key, (Role.ADMIN, Role.INSTRUCTOR))
+    _check(caller, (Role.ADMIN, Role.INSTRUCTOR))
 
 
-def _check(key: Key | None, roles: tuple[Role, ...]) -> None:
-    if key is not None and key.role not in roles:
+def _check(caller: Caller, roles: tuple[Role, ...]) -> None:
+    """Raise unless the caller has one of the roles; without keys everybody has all of them."""
+    if caller is _UNKNOWN:
+        raise UnauthorisedError("a key is needed")
+    if caller.key is not None and caller.key.role not in roles:
         allowed = [role.value for role in roles]
-        raise ForbiddenError(f"this is not for the role {key.role.value}", allowed=allowed)
+        raise ForbiddenError(f"this is not for the role {caller.key.role.value}", allowed=allowed)
 
 
-# Without keys everybody has every role.
 PERSONS: Any = Depends(_person)
 TEACHERS: Any = Depends(_teacher)
 
@@ -63,13 +65,13 @@ async def _key(caller: CallerDep) -> Key:
 KeyDep = Annotated[Key, Depends(_key)]
 
 
-async def _teacher_key(key: KeyDep) -> Key:
-    _check(key, (Role.ADMIN, Role.INSTRUCTOR))
+async def _teacher_key(caller: CallerDep, key: KeyDep) -> Key:
+    _check(caller, (Role.ADMIN, Role.INSTRUCTOR))
     return key
 
 
-async def _admin_key(key: KeyDep) -> Key:
-    _check(key, (Role.ADMIN,))
+async def _admin_key(caller: CallerDep, key: KeyDep) -> Key:
+    _check(caller, (Role.ADMIN,))
     return key
 
 

@@ -52,7 +52,9 @@ class ClassIn(Wire):
 class MembersIn(Wire):
     """Students who join a class."""
 
-    names: list[HolderName] = Field(min_length=1, max_length=_MOST_MEMBERS)
+    names: list[HolderName] = Field(
+        min_length=1, max_length=_MOST_MEMBERS, json_schema_extra={"uniqueItems": True}
+    )
     """names of the students, each once"""
 
 

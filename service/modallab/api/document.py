@@ -38,6 +38,7 @@ TAGS = {
     "service": "Health and versions of the service.",
 }
 ERRORS = {
+    400: "The body cannot be read",
     401: "The service has keys, and no valid one was sent",
     403: "The key does not allow this, or the page of another origin asks",
     404: "Nothing is stored under an id of the request",
@@ -146,8 +147,8 @@ def _add_errors(method: str, operation: Json, *, is_public: bool) -> None:
     elif body is not None:
         statuses |= {401, 403}
     if body is not None:
-        statuses |= {413, 415}
-    if any(spec["in"] == "path" and spec["name"] == "id" for spec in parameters) or method == "post":
+        statuses |= {400, 413, 415}
+    if any(spec["name"] in ("id", "after") for spec in parameters) or method == "post":
         statuses.add(404)
     if method == "delete" and "204" in replies:
         statuses.add(409)

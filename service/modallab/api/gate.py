@@ -24,6 +24,7 @@ from modallab.store.keys import Key, KeyBook
 from modallab.store.sessions import SessionBook
 
 PREFIX = "/v1/"
+_GUARDED = (PREFIX, "/metrics")
 OPEN_TO_ALL = frozenset(
     {("GET", f"/v1/{name}") for name in ("health", "ready", "version")} | {("POST", "/v1/sessions")}
 )
@@ -32,7 +33,7 @@ _READING = ("GET", "HEAD", "OPTIONS")
 
 
 class Gate:
-    """Names the caller of every request below `/v1`.
+    """Names the caller of every request that is not for a page or the document of the API.
 
     Parameters
     ----------
@@ -48,7 +49,7 @@ class Gate:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Handle an ASGI request."""
-        if scope["type"] != "http" or not scope["path"].startswith(PREFIX):
+        if scope["type"] != "http" or not scope["path"].startswith(_GUARDED):
             await self._app(scope, receive, send)
             return
         try:
@@ -66,7 +67,7 @@ class Gate:
     async def _caller(self, scope: Scope) -> Caller | None:
         """Return who sends a request; None where that does not matter."""
         headers, method = Headers(scope=scope), scope["method"]
-        key_text = _bearer(headers)
+        key_text = bearer(headers)
         if key_text is None and method not in _READING:
             _check_origin(headers)
         if (method, scope["path"]) in OPEN_TO_ALL:
@@ -104,7 +105,8 @@ def session_cookie(headers: Headers) -> str | None:
     return cookie_parser(headers.get("cookie", "")).get(COOKIE)
 
 
-def _bearer(headers: Headers) -> str | None:
+def bearer(headers: Headers) -> str | None:
+    """Return the key of the header `Authorization`; None if there is none."""
     scheme, _, text = headers.get("authorization", "").partition(" ")
     return text.strip() if scheme.lower() == "bearer" else None
 

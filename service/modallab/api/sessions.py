@@ -8,9 +8,10 @@ from starlette.responses import Response
 
 from modallab.api.access import ANY_KEY, KeyDep
 from modallab.api.examples import example
-from modallab.api.gate import COOKIE, PREFIX, session_cookie
+from modallab.api.gate import COOKIE, PREFIX, bearer, session_cookie
 from modallab.api.keys import SECRET, KeyReply, KeysDep, key_reply
 from modallab.api.wire import Wire
+from modallab.store.base import UnauthorisedError
 from modallab.store.sessions import LENGTH, SessionBook
 
 router = APIRouter(prefix="/sessions", tags=["keys"])
@@ -41,14 +42,20 @@ SessionsDep = Annotated[SessionBook, Depends(_sessions)]
     dependencies=[SECRET],
 )
 def create_session(
-    body: Annotated[SessionIn, example(_KEY)],
     request: Request,
     response: Response,
     keys: KeysDep,
     sessions: SessionsDep,
+    body: Annotated[SessionIn | None, example(_KEY)] = None,
 ) -> Any:
-    """Return whose key it is, with a cookie that stands for the key; for web pages."""
-    key = keys.verified(body.key)
+    """Return whose key it is, with a cookie that stands for the key; for web pages.
+
+    The key comes in the body, or in the header `Authorization`.
+    """
+    text = bearer(request.headers) if body is None else body.key
+    if text is None:
+        raise UnauthorisedError("a key is needed, in the body or in the header `Authorization: Bearer KEY`")
+    key = keys.verified(text)
     response.set_cookie(
         COOKIE,
         sessions.create(key).cookie,

@@ -151,6 +151,11 @@ def test_a_cookie_stands_for_the_key_until_it_is_signed_out(school: School) -> N
     assert school.service.request("GET", "/v1/structures", headers=cookie).status_code == 401
 
 
+def test_a_key_in_the_header_opens_a_session_too(school: School) -> None:
+    assert "set-cookie" in school.send("student", "POST", "/v1/sessions").headers
+    assert school.send("no key", "POST", "/v1/sessions").status_code == 401
+
+
 @pytest.mark.parametrize("caller", ["revoked", "expired"])
 def test_a_key_that_does_not_count_opens_no_session(school: School, caller: str) -> None:
     reply = school.service.request("POST", "/v1/sessions", json={"key": school.keys[caller]})
