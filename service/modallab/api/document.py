@@ -42,7 +42,7 @@ ERRORS = {
     401: "The service has keys, and no valid one was sent",
     403: "The key does not allow this, or the page of another origin asks",
     404: "Nothing is stored under an id of the request",
-    409: "Other results were made from it",
+    409: "Other results were made from it, or the Idempotency-Key named another request",
     413: "The body is too large",
     415: "The body has another content type than the operation takes",
     422: "A parameter or a field of the body is not valid",
@@ -153,7 +153,7 @@ def _add_errors(method: str, operation: Json, *, is_public: bool) -> None:
     if method == "delete" and "204" in replies:
         statuses.add(409)
     if is_job:
-        statuses.add(503)
+        statuses |= {409, 503}
     for status in sorted(statuses):
         replies[str(status)] = _problem_reply(status)
 
