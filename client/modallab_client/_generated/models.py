@@ -190,12 +190,18 @@ class NewMembers:
 class StoredEntry:
     """Identity and origin of a stored object."""
 
+    comment: str
+    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     id: str
     """id of the stored object"""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     made_from: Mapping[str, str] = field(hash=False)
     """ids of the objects it was made from, by role"""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
     owner: str
     """id of the key that it was made with; `local`: made without keys"""
     seed: int | None
@@ -258,6 +264,8 @@ class Correlation(CorrelationMethods):
 
     comac: FloatArray
     """(n_common,) coordinate modal assurance criterion (CoMAC) over the pairs, 0 to 1."""
+    comment: str
+    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     dofs: tuple[str, ...]
@@ -268,10 +276,14 @@ class Correlation(CorrelationMethods):
     """Hz, (n_pairs,) measured minus model frequency."""
     id: str
     """id of the stored object"""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     mac: FloatArray
     """(n_measured, n_model) modal assurance criterion (MAC), 0 to 1."""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
     orthogonality: Orthogonality | None
     """Orthogonality in the reduced mass matrix, where a reduction was requested."""
     owner: str
@@ -628,6 +640,8 @@ class Diagnosis(DiagnosisMethods):
 
     candidates: tuple[Rival, ...]
     """All effects fitted in the first round, best first."""
+    comment: str
+    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     detection_limits: tuple[DetectionLimit, ...]
@@ -638,10 +652,14 @@ class Diagnosis(DiagnosisMethods):
     """Gap of each part (FRFs, force spectra, response spectra) under `before` and `after`."""
     id: str
     """id of the stored object"""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     located: Localisation
     """Location of the disagreement without added effects."""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
     next_test: NextTest | None
     """Proposed further test; null: no rival is left."""
     notes: tuple[str, ...]
@@ -969,6 +987,8 @@ class Measurement(MeasurementMethods):
     """1, effective number of independent averages."""
     averages_error: float | None
     """1, standard error of averages that are estimated; null: they are declared."""
+    comment: str
+    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     frequency_max: float
@@ -981,12 +1001,16 @@ class Measurement(MeasurementMethods):
     """Force DoFs."""
     kind: FrfKind
     """Kind of the FRFs: receptance, mobility or inertance."""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     libraries: Mapping[str, str]
     """Versions of the numerical libraries, by name."""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
     n_lines: int
     """Number of frequency lines."""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
     noise_floor: float | None
     """1, relative error of the FRFs as their owner states it, at or above the median."""
     notes: tuple[str, ...]
@@ -1059,14 +1083,20 @@ class MeasurementLog:
     """1, effective number of independent averages."""
     averages_error: float | None
     """1, standard error of averages that are estimated; null: they are declared."""
+    comment: str
+    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     id: str
     """id of the stored object"""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     libraries: Mapping[str, str] = field(hash=False)
     """Versions of the numerical libraries, by name."""
     made_from: Mapping[str, str] = field(hash=False)
     """ids of the objects it was made from, by role"""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
     noise_floor: float | None
     """1, relative error of the FRFs as their owner states it, at or above the median."""
     notes: tuple[str, ...]
@@ -1222,6 +1252,8 @@ class ModalModel(ModalModelMethods):
 
     choices: Mapping[str, str]
     """Value of each option in words, and the reason for it."""
+    comment: str
+    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     dofs: tuple[str, ...]
@@ -1240,6 +1272,8 @@ class ModalModel(ModalModelMethods):
     """Names of the FRFs in the order of the arrays: a DoF, of several references `5:+Y / 1:+Y`."""
     id: str
     """id of the stored object"""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
     main_flags: tuple[str, ...]
@@ -1250,6 +1284,8 @@ class ModalModel(ModalModelMethods):
     """Extraction method, or `synthetic`."""
     modes: tuple[Mode, ...]
     """Modes in rising natural frequency; `/arrays` has their shapes."""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
     normalisation: Literal["mass", "none"]
     """`mass`: shapes are mass-normalised; `none`: their scale is arbitrary."""
     notes: tuple[str, ...]
@@ -1385,6 +1421,8 @@ class Rig:
     """Response transducers."""
     analyser: Analyser
     """Analyser settings."""
+    comment: str
+    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     drive: str
@@ -1399,8 +1437,12 @@ class Rig:
     """Force transducer at the drive point."""
     id: str
     """id of the stored object"""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     made_from: Mapping[str, str] = field(hash=False)
     """ids of the objects it was made from, by role"""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
     noise: Noise
     """White noise of the channels."""
     owner: str
@@ -1447,12 +1489,16 @@ class RigChecks:
 class Structure:
     """Size of a stored structure, and its groups of members."""
 
+    comment: str
+    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     groups: Mapping[str, tuple[int, ...]] = field(hash=False)
     """Numbers of members, by the name under which they may be updated."""
     id: str
     """id of the stored object"""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     made_from: Mapping[str, str] = field(hash=False)
     """ids of the objects it was made from, by role"""
     members: int
@@ -1462,7 +1508,7 @@ class Structure:
     n_nodes: int
     """Number of nodes."""
     name: str
-    """Name of the structure."""
+    """name, as its owner wrote it; a structure's own until then"""
     owner: str
     """id of the key that it was made with; `local`: made without keys"""
     seed: int | None
@@ -1477,6 +1523,8 @@ class ExpandedModalModel:
 
     choices: Mapping[str, str] = field(hash=False)
     """Value of each option in words, and the reason for it."""
+    comment: str
+    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     dofs: tuple[str, ...]
@@ -1497,6 +1545,8 @@ class ExpandedModalModel:
     """Names of the FRFs in the order of the arrays: a DoF, of several references `5:+Y / 1:+Y`."""
     id: str
     """id of the stored object"""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     made_from: Mapping[str, str] = field(hash=False)
     """ids of the objects it was made from, by role"""
     main_flags: tuple[str, ...]
@@ -1507,6 +1557,8 @@ class ExpandedModalModel:
     """Extraction method, or `synthetic`."""
     modes: tuple[Mode, ...]
     """Modes in rising natural frequency; `/arrays` has their shapes."""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
     normalisation: Literal["mass", "none"]
     """`mass`: shapes are mass-normalised; `none`: their scale is arbitrary."""
     notes: tuple[str, ...]
@@ -1533,18 +1585,24 @@ class ExpandedModalModel:
 class StructureModes(StructureModesMethods):
     """Elastic modes of a structure, ascending in frequency."""
 
+    comment: str
+    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     frequencies: FloatArray
     """Hz, (n_modes,) natural frequencies."""
     id: str
     """id of the stored object"""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     loss_factors: FloatArray
     """(n_modes,) loss factors."""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
     n_rigid_body: int
     """Number of rigid-body modes, which are not listed."""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
     owner: str
     """id of the key that it was made with; `local`: made without keys"""
     seed: int | None
@@ -1712,12 +1770,18 @@ class Study(StudyMethods):
 
     cells: tuple[StudyCell, ...]
     """Statistics by level, then division."""
+    comment: str
+    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     id: str
     """id of the stored object"""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
     owner: str
     """id of the key that it was made with; `local`: made without keys"""
     plan: StudyPlan
@@ -1852,6 +1916,8 @@ class IterativeUpdate(IterativeUpdateMethods):
 
     coefficients: Mapping[str, Mapping[int, float]]
     """Coefficients by part and member."""
+    comment: str
+    """what its owner remarks on it"""
     condition_number: float | None
     """Largest over smallest singular value within the rank."""
     converged: bool
@@ -1872,10 +1938,14 @@ class IterativeUpdate(IterativeUpdateMethods):
     """Number of steps by stage, `location` and `updating`."""
     kind: Literal["iterative"]
     """Update on modes: coefficients are corrected by iteration."""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     mac: Mapping[str, FloatArray]
     """MAC of paired modes (n_modes,): `before`, `location`, `after`."""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
     owner: str
     """id of the key that it was made with; `local`: made without keys"""
     posterior: PosteriorSample | None
@@ -1934,6 +2004,8 @@ class ResponseBasedUpdate(ResponseBasedUpdateMethods):
 
     coefficients: Mapping[str, Mapping[int, float]]
     """Coefficients by part and member."""
+    comment: str
+    """what its owner remarks on it"""
     condition_number: float | None
     """Largest over smallest singular value within the rank."""
     converged: bool
@@ -1954,8 +2026,12 @@ class ResponseBasedUpdate(ResponseBasedUpdateMethods):
     """Number of steps by stage, `location` and `updating`."""
     kind: Literal["response_based"]
     """Update on FRFs: coefficients are corrected by iteration."""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
     owner: str
     """id of the key that it was made with; `local`: made without keys"""
     posterior: PosteriorSample | None
@@ -2010,6 +2086,8 @@ class DirectUpdate(DirectUpdateMethods):
 
     coefficients: Mapping[str, Mapping[int, float]]
     """By part and member, 1 = no change; of methods that keep the members."""
+    comment: str
+    """what its owner remarks on it"""
     completion: str
     """How model and shapes came to the same degrees of freedom, for readers."""
     connectivity_loss: Mapping[str, float]
@@ -2028,6 +2106,8 @@ class DirectUpdate(DirectUpdateMethods):
     """id of the stored object"""
     kind: Literal["direct"]
     """Direct method: matrices are corrected, or their errors located, in one step."""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     mac: Mapping[str, FloatArray]
     """MAC with the nearest modes: `before` and, of a correction, `after`."""
     made_from: Mapping[str, str]
@@ -2036,6 +2116,8 @@ class DirectUpdate(DirectUpdateMethods):
     """Name of the method."""
     n_modes: int
     """Number of measured modes that the method used, the first of `frequencies`."""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
     notes: tuple[str, ...]
     """Remarks for readers."""
     other_modes: OtherModes | None
@@ -2058,6 +2140,8 @@ class ErrorLocation(ErrorLocationMethods):
 
     changes: Mapping[str, Mapping[int, float]]
     """First-order change of each coefficient, by part and member."""
+    comment: str
+    """what its owner remarks on it"""
     condition_number: float | None
     """Largest over smallest singular value within the rank."""
     created: str
@@ -2068,12 +2152,16 @@ class ErrorLocation(ErrorLocationMethods):
     """id of the stored object"""
     kind: Literal["error_location"]
     """Error location in one linear step: the model stays as it is."""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     mac: Mapping[str, FloatArray]
     """MAC of the paired modes (n_modes,): `before`."""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
     method: str
     """Name of the method."""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
     owner: str
     """id of the key that it was made with; `local`: made without keys"""
     rank: int

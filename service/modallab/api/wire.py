@@ -160,6 +160,12 @@ class StoredEntry(Reply):
     """seed of its random numbers; null where there are none"""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
+    comment: str
+    """what its owner remarks on it"""
 
     @staticmethod
     def fields(entry: Entry) -> dict[str, Any]:
@@ -171,4 +177,7 @@ class StoredEntry(Reply):
             "version": entry.version,
             "seed": entry.seed,
             "made_from": entry.inputs,
+            "name": entry.name,
+            "labels": tuple(entry.labels),
+            "comment": entry.comment,
         }

@@ -1,8 +1,10 @@
 """Store of objects in an SQL database and in array files."""
 
+import json
 import secrets
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, nullcontext
+from dataclasses import fields
 from datetime import UTC, datetime
 from typing import Any, Generic, TypeVar
 
@@ -13,7 +15,7 @@ from sqlalchemy.exc import IntegrityError
 import modallab
 from modallab.core.errors import NotFoundError
 from modallab.store.arrays import ArrayFiles
-from modallab.store.base import Entry, ForbiddenError, InUseError, Truth
+from modallab.store.base import Description, Entry, ForbiddenError, InUseError, Truth
 from modallab.store.codec import CODECS, Codec
 from modallab.store.npz import pack, unpack
 from modallab.store.plain import from_plain, to_plain
@@ -23,7 +25,9 @@ from modallab.store.viewer import EVERYONE, Viewer, manageable, readable
 T = TypeVar("T")
 Connect = Callable[[], AbstractContextManager[sa.Connection]]
 
-_ENTRY = [THINGS.c[name] for name in ("id", "kind", "owner", "created", "version", "inputs", "seed")]
+_LONGEST_NAME = 100
+_ENTRY_FIELDS = tuple(field.name for field in fields(Entry))
+_ENTRY = [THINGS.c[name] for name in _ENTRY_FIELDS]
 
 
 def new_id() -> str:
@@ -73,6 +77,9 @@ class SqlShelf(Generic[T]):
             "seed": seed,
             "body": body,
             "arrays_hash": self._files.put(own_id, pack(arrays)) if arrays else None,
+            "name": getattr(thing, "name", "")[
+                :_LONGEST_NAME
+            ],  # a structure's own, until its owner gives another
         }
         with self._connect() as connection:
             if insert_once(connection, THINGS, row):
@@ -106,17 +113,44 @@ class SqlShelf(Generic[T]):
         """Return the entry of a thing."""
         return Entry(**self._row(id, *_ENTRY)._mapping)
 
-    def list(self, *, owner: str | None = None, limit: int, cursor: str | None = None) -> list[Entry]:
-        """Return the newest entries, of an owner if one is named, those older than `cursor`."""
+    def list(
+        self,
+        *,
+        owner: str | None = None,
+        name: str | None = None,
+        label: str | None = None,
+        limit: int,
+        cursor: str | None = None,
+    ) -> list[Entry]:
+        """Return the newest entries of an owner, a name and a label, those older than `cursor`."""
         age = sa.tuple_(THINGS.c.created, THINGS.c.id)
         query = sa.select(*_ENTRY).where(THINGS.c.kind == self._kind, readable(self._viewer))
         if owner is not None:
             query = query.where(THINGS.c.owner == owner)
+        if name is not None:
+            query = query.where(THINGS.c.name.icontains(name, autoescape=True))
+        if label is not None:
+            query = query.where(_has_label(label))
         if cursor is not None:
             query = query.where(age < sa.tuple_(*self._row(cursor, THINGS.c.created, THINGS.c.id)))
         query = query.order_by(THINGS.c.created.desc(), THINGS.c.id.desc()).limit(limit)
         with self._connect() as connection:
             return [Entry(**row._mapping) for row in connection.execute(query)]
+
+    def describe(self, id: str, description: Description) -> None:
+        """Change what is said of a thing."""
+        self.check(id)
+        values = {name: value for name, value in vars(description).items() if value is not None}
+        condition = (THINGS.c.id == id) & manageable(THINGS.c.owner, self._viewer)
+        change = THINGS.update().where(condition).values(**values or {"id": id})
+        with self._connect() as connection:
+            if connection.execute(change.returning(THINGS.c.id)).first() is None:
+                raise self._shared()
+
+    def _shared(self) -> ForbiddenError:
+        return ForbiddenError(
+            f"this {self._kind} is shared with your class, and not yours to change or remove"
+        )
 
     def npz(self, id: str) -> bytes:
         """Return a thing's arrays as they lie in the store."""
@@ -130,9 +164,7 @@ class SqlShelf(Generic[T]):
         try:
             with self._connect() as connection:
                 if connection.execute(removal.returning(THINGS.c.id)).first() is None:
-                    raise ForbiddenError(
-                        f"this {self._kind} is shared with your class, and not yours to remove"
-                    )
+                    raise self._shared()
         except IntegrityError:
             raise InUseError(
                 f"the {self._kind} {id!r} is what something else was made from", value=id
@@ -151,6 +183,11 @@ class SqlShelf(Generic[T]):
         except NotFoundError:
             return False
         return True
+
+
+def _has_label(label: str) -> sa.ColumnElement[bool]:
+    # A quotation mark within a label is written with a backslash: no part of a label is found.
+    return sa.cast(THINGS.c.labels, sa.Text).contains(json.dumps(label), autoescape=True)
 
 
 class SqlTruths:

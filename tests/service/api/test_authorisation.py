@@ -124,6 +124,7 @@ ROWS: dict[str, Row] = {
     "import_structure": anyone(422, form=unread),
     "list_structures": anyone(),
     "get_structure": owned(id="structure"),
+    "describe_structure": owned(id="structure", body=of(name="new")),
     "delete_structure": removal("structures"),
     "change_structure": owned(
         201,
@@ -142,6 +143,7 @@ ROWS: dict[str, Row] = {
     "list_rigs": anyone(),
     "get_rig": owned(id="rig"),
     "get_checks": owned(id="rig", query="?structure_id={structure}"),
+    "describe_rig": owned(id="rig", body=of(name="new")),
     "delete_rig": removal("rigs"),
     # measurements
     "start_measurement": owned(202, body=of("structure", "rig", route="expected")),
@@ -158,6 +160,7 @@ ROWS: dict[str, Row] = {
     "get_log": owned(id="measurement"),
     # to the key alone that made it, and to no student
     "get_truth": Row((401, 403, 403, 404, 404, 401, 401), owner=403, id="measurement"),
+    "describe_measurement": owned(id="measurement", body=of(name="new")),
     "delete_measurement": removal("measurements"),
     # modal models
     "start_modal_model": owned(202, body=of("measurement", method="circle_fit", n_modes=2)),
@@ -172,12 +175,14 @@ ROWS: dict[str, Row] = {
     "get_modal_reciprocity": owned(id="modal_model", query="?other={modal_model}"),
     "get_modal_model_uff": owned(id="modal_model"),
     "select_from_modal_model": owned(201, id="modal_model", body=of(drop=[1])),
+    "describe_modal_model": owned(id="modal_model", body=of(name="new")),
     "delete_modal_model": removal("modal_models"),
     # what is made of them
     "create_correlation": owned(201, body=of("structure", "modal_model")),
     "list_correlations": anyone(),
     "get_correlation": owned(id="correlation"),
     "get_correlation_arrays": owned(id="correlation"),
+    "describe_correlation": owned(id="correlation", body=of(name="new")),
     "delete_correlation": removal("correlations"),
     "start_update": owned(
         202, body=of("structure", "modal_model", method="one_shot", parameterisation=PARTS)
@@ -187,11 +192,13 @@ ROWS: dict[str, Row] = {
     "get_update_arrays": owned(id="direct_update"),
     "get_update_covariance": owned(id="update"),
     "get_update_sample": owned(id="update"),
+    "describe_update": owned(id="update", body=of(name="new")),
     "delete_update": removal("updates"),
     "start_study": owned(202, body=study),
     "list_studies": anyone(),
     "get_study": owned(id="study"),
     "get_study_arrays": owned(id="study"),
+    "describe_study": owned(id="study", body=of(name="new")),
     "delete_study": removal("studies"),
     # this diagnosis explains everything: there is nothing to adopt
     "adopt_unknown_effect": owned(422, id="diagnosis"),
@@ -201,6 +208,7 @@ ROWS: dict[str, Row] = {
     "get_diagnosis": owned(id="diagnosis"),
     "get_diagnosis_arrays": owned(id="diagnosis"),
     "get_diagnosis_report": owned(id="diagnosis"),
+    "describe_diagnosis": owned(id="diagnosis", body=of(name="new")),
     "delete_diagnosis": removal("diagnoses"),
     # jobs
     "list_jobs": anyone(),

@@ -34,4 +34,5 @@ def test_what_was_stored_before_there_were_keys_is_read_afterwards(place: StoreP
     place.prepare()
     store = open_store(place)
     assert store.structures.get(id).members == structure.members
-    assert [entry.owner for entry in store.structures.list(limit=9)] == ["local"]
+    entries = [(entry.owner, entry.name) for entry in store.structures.list(limit=9)]
+    assert entries == [("local", structure.name)]
