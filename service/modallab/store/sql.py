@@ -140,9 +140,10 @@ class SqlShelf(Generic[T]):
     def describe(self, id: str, description: Description) -> None:
         """Change what is said of a thing."""
         self.check(id)
-        values = {name: value for name, value in vars(description).items() if value is not None}
+        values: dict[str, Any] = {"id": id}  # an update sets at least one column
+        values |= {name: value for name, value in vars(description).items() if value is not None}
         condition = (THINGS.c.id == id) & manageable(THINGS.c.owner, self._viewer)
-        change = THINGS.update().where(condition).values(**values or {"id": id})
+        change = THINGS.update().where(condition).values(**values)
         with self._connect() as connection:
             if connection.execute(change.returning(THINGS.c.id)).first() is None:
                 raise self._shared()

@@ -7,7 +7,7 @@ import sqlalchemy as sa
 
 from modallab.core.errors import InvalidInputError, NotFoundError
 from modallab.fe.catalogued import STRUCTURES
-from modallab.store.base import ForbiddenError, UnauthorisedError
+from modallab.store.base import Description, ForbiddenError, UnauthorisedError
 from modallab.store.classes import ClassBook
 from modallab.store.keys import KeyBook, Role
 from modallab.store.place import StorePlace, engine_of
@@ -146,6 +146,8 @@ def test_what_is_shared_with_a_class_is_its_members_to_read_and_not_to_remove(
     assert member.structures.get(thing).members == BEAM.members
     with pytest.raises(ForbiddenError, match="shared"):
         member.structures.remove(thing)
+    with pytest.raises(ForbiddenError, match="shared"):
+        member.structures.describe(thing, Description("mine"))
     assert not stranger.structures.holds(thing)
     assert classes.shares(here.id) == [thing]
     classes.withdraw(here.id, thing, viewer=teacher.viewer)
