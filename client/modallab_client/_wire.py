@@ -150,6 +150,11 @@ def page(data: Json) -> tuple[tuple[StoredEntry, ...], str | None]:
     return entries.items, entries.next
 
 
+def entry(data: Json) -> StoredEntry:
+    """Return the entry of a stored thing."""
+    return read_as(StoredEntry, data)
+
+
 def event(text: str) -> dict[str, Any]:
     """Return the fields of one server-sent event."""
     return dict(json.loads(text))

@@ -59,7 +59,8 @@ def draw() -> Figure:
     assert correlation.responses is not None
     wire: Any = reply_of(Correlation).model_validate(correlation).model_dump(mode="json")
     lines = {"fdac_freq": correlation.responses.freq, "fdac": correlation.responses.fdac}
-    resource: dict[str, Any] = {"id": "", "created": "", "version": "", "seed": None, "made_from": {}}
+    texts = dict.fromkeys(("id", "owner", "created", "version", "name", "comment"), "")
+    resource: dict[str, Any] = texts | {"seed": None, "made_from": {}, "labels": ()}
     drawn_correlation = correlation_of(resource | wire, lines)
     assert drawn_correlation.responses is not None
     with rc_context(STYLE | {"axes.grid": False}):

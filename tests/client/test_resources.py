@@ -10,7 +10,14 @@ import pytest
 
 from modallab_client import ModalLab
 from modallab_client.errors import UnexpectedReplyError
-from modallab_client.results import CatalogueEntry, EffectSpec, Exciter, FollowUpTest, IterativeUpdate
+from modallab_client.results import (
+    CatalogueEntry,
+    EffectSpec,
+    Exciter,
+    FollowUpTest,
+    IterativeUpdate,
+    StoredEntry,
+)
 from tests.client.fake import DIAGNOSIS, MEASUREMENT, MODE, UPDATE, FakeService, completed, events, npz
 
 STRUCTURE = {"id": "s1", "n_nodes": 21, "n_dofs": 42, "members": 20, "created_at": "later"}
@@ -308,3 +315,14 @@ def test_a_list_goes_on_over_its_pages(lab: ModalLab, service: FakeService) -> N
     assert [entry.id for entry in lab.structures.list()] == ["s2", "s1"]
     assert service.requests[1].url.query == b"after=s2"
     lab.structures.delete("s1")
+
+
+def test_a_description_goes_by_keywords_and_filters_lists(lab: ModalLab, service: FakeService) -> None:
+    entry = completed(StoredEntry, {"id": "s1", "name": "first", "labels": ["autumn"]})
+    service.on("PATCH /v1/structures/s1", entry)
+    service.on("GET /v1/structures", {"items": [entry], "next": None})
+    described = lab.structures.describe("s1", name="first", labels=("autumn",))
+    assert (described.name, described.labels) == ("first", ("autumn",))
+    assert service.body() == {"name": "first", "labels": ["autumn"]}
+    assert lab.structures.list(label="autumn", name="fir") == (described,)
+    assert dict(service.requests[-1].url.params) == {"label": "autumn", "name": "fir"}

@@ -157,3 +157,16 @@ def test_a_client_of_its_own_is_closed_and_a_given_one_is_not(service: FakeServi
     http.close()
     with ModalLab("http://127.0.0.1:1") as lab, pytest.raises(errors.UnreachableError):
         lab.structures.catalogue("bay")
+
+
+def test_a_key_of_the_environment_is_sent_unless_another_is_given(
+    service: FakeService, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MODALLAB_KEY", "of the environment")
+    service.on("GET /v1/rigs", {"items": []})
+    with httpx.Client(transport=httpx.MockTransport(service)) as http:
+        for key in (None, "given", ""):
+            with ModalLab("http://lab", api_key=key, http=http) as lab:
+                lab.request("GET", "/v1/rigs")
+    sent = [request.headers.get("authorization") for request in service.requests]
+    assert sent == ["Bearer of the environment", "Bearer given", None]

@@ -46,7 +46,7 @@ def serves_and_keeps_its_things_in_the_volume(image: Image) -> None:
     data = image.folder / "data"
     assert stat.S_IMODE(data.stat().st_mode) == 0o700
     port, ends = free_port(), time.monotonic() + START
-    with image.run(image.command, MODALLAB_PORT=port) as service:
+    with image.run(image.command, MODALLAB_PORT=port, **compose_environment()) as service:
         while (seen := health(image, port)) != (0, "") and service.poll() is None and time.monotonic() < ends:
             time.sleep(0.2)
         service.terminate()
@@ -58,11 +58,27 @@ def serves_and_keeps_its_things_in_the_volume(image: Image) -> None:
     assert "refused" in said
 
 
+def refuses_everybody_without_keys(image: Image) -> None:
+    with image.run(image.command, MODALLAB_PORT=free_port(), COLUMNS="200") as service:
+        said = service.communicate(timeout=START)[0]
+    assert service.returncode == 2, said
+    assert "there are no keys" in said
+
+
+def compose_environment() -> dict[str, str]:
+    """Return the variables that compose.yaml sets."""
+    text = (ROOT / "docker" / "compose.yaml").read_text()
+    found = dict(re.findall(r'^      (MODALLAB_\w+): "(.*)"$', text, re.MULTILINE))
+    assert set(found) == {"MODALLAB_OPEN", "MODALLAB_ALLOWED_HOSTS"}
+    return found
+
+
 # One test, because the image is built once: tests of one file may run in several processes.
 def test_the_dockerfile_builds_an_image_that_serves(tmp_path: Path) -> None:
     image = Image(tmp_path)
     image.follow()
     holds_what_is_locked_and_no_tools(image)
+    refuses_everybody_without_keys(image)
     serves_and_keeps_its_things_in_the_volume(image)
     assert re.fullmatch(r"[1-9]\d+:[1-9]\d+", image.user), "a number, so that engines can see it is not root"
     assert image.environment["OPENBLAS_NUM_THREADS"] == "1"

@@ -1,5 +1,6 @@
 """List and removal of stored things of one kind."""
 
+from collections.abc import Sequence
 from typing import ClassVar
 
 from modallab_client import _wire
@@ -15,16 +16,42 @@ class AsyncShelf:
     def __init__(self, transport: AsyncTransport) -> None:
         self._transport = transport
 
-    async def list(self) -> tuple[StoredEntry, ...]:
-        """Return the entries of stored things, newest first, without content."""
+    async def list(
+        self, *, name: str | None = None, label: str | None = None, owner: str | None = None
+    ) -> tuple[StoredEntry, ...]:
+        """Return the entries of stored things, newest first, without content.
+
+        Parameters
+        ----------
+        name
+            Part of the name, in capitals or not.
+        label
+            One of the labels.
+        owner
+            Id of the key that made them.
+        """
+        wanted = {"name": name, "label": label, "owner": owner}
         collected: tuple[StoredEntry, ...] = ()
         cursor: str | None = None
         while True:
-            reply = await self._transport.request("GET", self.path, params=_wire.body(after=cursor))
+            reply = await self._transport.request("GET", self.path, params=_wire.body(after=cursor, **wanted))
             entries, cursor = _wire.read(_wire.page, reply)
             collected += entries
             if cursor is None:
                 return collected
+
+    async def describe(
+        self,
+        id: str,
+        *,
+        name: str | None = None,
+        labels: Sequence[str] | None = None,
+        comment: str | None = None,
+    ) -> StoredEntry:
+        """Return the entry of one with a new name, labels or comment; what is left out stays."""
+        body = _wire.body(name=name, labels=None if labels is None else list(labels), comment=comment)
+        reply = await self._transport.request("PATCH", f"{self.path}/{id}", json=body)
+        return _wire.read(_wire.entry, reply)
 
     async def delete(self, id: str) -> None:
         """Remove one; things that others were made from stay, with a `ConflictError`."""

@@ -1,5 +1,6 @@
 """The client: one object, the service's resources as its attributes."""
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
@@ -29,7 +30,8 @@ class ModalLab:
     base_url
         Where the service is, `http://host:8000`.
     api_key
-        Sent with every request, where the service asks for one.
+        Sent with every request; left out: the environment's `MODALLAB_KEY`, or none. A service on this
+        machine may need none.
     http
         An own httpx client, for proxies, certificates or tests; it stays open.
     timeout
@@ -45,7 +47,8 @@ class ModalLab:
         timeout: float = 60.0,
     ) -> None:
         self.base_url = base_url
-        self._transport = Transport(base_url, api_key=api_key, http=http, timeout=timeout)
+        key = os.environ.get("MODALLAB_KEY") if api_key is None else api_key
+        self._transport = Transport(base_url, api_key=key, http=http, timeout=timeout)
         self.structures = Structures(self._transport)
         self.rigs = Rigs(self._transport)
         self.measurements = Measurements(self._transport)
@@ -78,7 +81,7 @@ class ModalLab:
         """
         require_service()
         service = ServiceProcess(data)
-        lab = cls(service.url, timeout=timeout)
+        lab = cls(service.url, api_key="", timeout=timeout)  # a key of the environment is another service's
         lab._transport.accompany(service)
         return lab
 

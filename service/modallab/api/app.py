@@ -8,10 +8,12 @@ from anyio import to_thread
 from fastapi import APIRouter, Depends, FastAPI
 
 import modallab
-from modallab.api import about, catalog, document, jobs, problems
+from modallab.api import about, catalog, classes, document, jobs, keys, problems, sessions
+from modallab.api.access import PERSONS
 from modallab.api.body_limit import BodyLimit
 from modallab.api.correlations import router as correlations
 from modallab.api.diagnoses import router as diagnoses
+from modallab.api.gate import Gate
 from modallab.api.logs import RequestId
 from modallab.api.measurements import router as measurements
 from modallab.api.modal_models import router as modal_models
@@ -24,7 +26,10 @@ from modallab.api.updates import router as updates
 from modallab.jobs.book import JobBook
 from modallab.jobs.durable import DurableRunner
 from modallab.jobs.runner import JobRunner
+from modallab.store.classes import ClassBook
+from modallab.store.keys import KeyBook
 from modallab.store.place import engine_of, open_store
+from modallab.store.sessions import SessionBook
 
 
 class Lab(FastAPI):
@@ -77,13 +82,23 @@ def create_app(settings: ServiceSettings, runner: JobRunner | None = None) -> Fa
     )
     app.state.operations = Operations(app.openapi)
     app.state.settings, app.state.store, app.state.jobs = settings, open_store(settings.store_place), chosen
-    v1 = APIRouter(prefix="/v1", dependencies=[Depends(check_request)])
-    for part in (structures, rigs, measurements, modal_models, correlations, updates, studies, diagnoses):
-        v1.include_router(part.router)
-    for router in (jobs.router, catalog.router, about.router):
-        v1.include_router(router)
-    app.include_router(v1)
+    app.state.keys = KeyBook(engine_of(settings.store_place))
+    app.state.classes = ClassBook(engine_of(settings.store_place), app.state.keys)
+    app.state.sessions = SessionBook(engine_of(settings.store_place))
+    app.include_router(_routes())
     problems.install(app)
+    app.add_middleware(Gate, engine=engine_of(settings.store_place), allowed_hosts=settings.host_names)
     app.add_middleware(BodyLimit, json=settings.body_limit, upload=settings.upload_limit)
     app.add_middleware(RequestId)
     return app
+
+
+def _routes() -> APIRouter:
+    v1 = APIRouter(prefix="/v1", dependencies=[Depends(check_request)])
+    for part in (structures, rigs, measurements, modal_models, correlations, updates, studies, diagnoses):
+        v1.include_router(part.router, dependencies=[PERSONS])
+    for router in (jobs.router, catalog.router):
+        v1.include_router(router, dependencies=[PERSONS])
+    for router in (keys.router, classes.router, sessions.router, about.router):
+        v1.include_router(router)
+    return v1

@@ -13,6 +13,8 @@ import typer
 
 from modallab.api.convert_command import convert
 from modallab.api.flags import request_of, with_flags
+from modallab.api.keys_command import app as keys_app
+from modallab.api.keys_command import settings_of
 from modallab.diagnosis.options import DiagnosisOptions
 
 app = typer.Typer(
@@ -22,6 +24,10 @@ app = typer.Typer(
 Data = Annotated[Path | None, typer.Option(help="Folder for arrays and the embedded database.")]
 Host = Annotated[str | None, typer.Option(help="Address to listen on.")]
 Port = Annotated[int | None, typer.Option(help="Port to listen on.")]
+Open = Annotated[
+    bool | None,
+    typer.Option("--open", help="Answer everybody on an address that others reach, without keys."),
+]
 Role = Annotated[str | None, typer.Option(help="`all`, or `api`: leave the jobs to `modallab worker`.")]
 Executor = Annotated[
     str | None, typer.Option(help="A name among the processes that run jobs; else from host and process.")
@@ -43,15 +49,7 @@ def _one_thread() -> None:
 
 def _settings(**overrides: Any) -> Any:
     _one_thread()
-    from pydantic import ValidationError
-
-    from modallab.api.settings import ServiceSettings
-
-    try:
-        return ServiceSettings(**{name: value for name, value in overrides.items() if value is not None})
-    except ValidationError as error:
-        fault = error.errors()[0]
-        raise typer.BadParameter(f"{'.'.join(map(str, fault['loc']))}: {fault['msg']}") from None
+    return settings_of(overrides)
 
 
 def _lock(folder: Path) -> sqlite3.Connection:
@@ -75,16 +73,31 @@ def _prepare(settings: Any) -> None:
     settings.job_place.prepare()
 
 
+def _need_keys(settings: Any) -> None:
+    """Refuse to listen to others than this machine without keys."""
+    from modallab.store.keys import KeyBook
+    from modallab.store.place import engine_of
+
+    if settings.is_loopback or settings.open or KeyBook(engine_of(settings.store_place)).exists():
+        return
+    raise typer.BadParameter(
+        f"others reach {settings.host}, and there are no keys: make the first with `modallab keys create "
+        "--role admin --name NAME`, or let everybody in with --open",
+        param_hint="--host",
+    )
+
+
 @app.command()
 def serve(
     data: Data = None,
     host: Host = None,
     port: Port = None,
+    open: Open = None,
     role: Role = None,
     executor_id: Executor = None,
 ) -> None:
     """Answer requests and, unless the role is `api`, run jobs."""
-    settings = _settings(data=data, host=host, port=port, role=role, executor_id=executor_id)
+    settings = _settings(data=data, host=host, port=port, open=open, role=role, executor_id=executor_id)
     if settings.role == "api":
         _need_postgresql(settings)
     import uvicorn
@@ -96,6 +109,7 @@ def serve(
     lock = _lock(settings.data) if settings.embedded else None
     if settings.embedded:
         _prepare(settings)
+    _need_keys(settings)
     uvicorn.run(
         create_app(settings),
         host=settings.host,
@@ -203,6 +217,7 @@ class _ProgressLine:
 
 
 app.command()(convert)
+app.add_typer(keys_app, name="keys")
 
 
 @app.command()

@@ -6,9 +6,11 @@ from typing import Annotated
 from fastapi import Depends, Header, Path, Query, Request
 from pydantic import StringConstraints
 
+from modallab.api.access import CallerDep
 from modallab.api.settings import ServiceSettings
 from modallab.jobs.runner import JobRunner, RequestKey
 from modallab.store.base import Store
+from modallab.store.viewer import Viewer
 
 IdempotencyKey = Annotated[
     str | None,
@@ -21,9 +23,9 @@ IdempotencyKey = Annotated[
 # `async`, although they wait for nothing: plain functions would each take a thread.
 
 
-async def _store(request: Request) -> Store:
+async def _store(request: Request, caller: CallerDep) -> Store:
     store: Store = request.app.state.store
-    return store
+    return store.as_seen_by(caller.viewer)
 
 
 async def _jobs(request: Request) -> JobRunner:
@@ -43,8 +45,12 @@ async def _settings(request: Request) -> ServiceSettings:
     return settings
 
 
-async def _owner() -> str:
-    return "local"
+async def _viewer(caller: CallerDep) -> Viewer:
+    return caller.viewer
+
+
+async def _owner(caller: CallerDep) -> str:
+    return caller.viewer.owner
 
 
 StoreDep = Annotated[Store, Depends(_store)]
@@ -52,8 +58,17 @@ JobsDep = Annotated[JobRunner, Depends(_jobs)]
 SettingsDep = Annotated[ServiceSettings, Depends(_settings)]
 RequestKeyDep = Annotated[RequestKey | None, Depends(_request_key)]
 OwnerDep = Annotated[str, Depends(_owner)]
+ViewerDep = Annotated[Viewer, Depends(_viewer)]
 
 Id = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
 IdPath = Annotated[str, Path(pattern=r"^[A-Za-z0-9_-]{1,64}$", description="id of the stored object")]
 Limit = Annotated[int, Query(ge=1, le=500, description="how many entries at most")]
 After = Annotated[Id | None, Query(description="id of the last entry of the page before")]
+OwnerWanted = Annotated[
+    Id | None,
+    Query(
+        alias="owner",
+        description="id of the owner's key; left out: all entries that the caller may see, or the caller's "
+        "own jobs",
+    ),
+]

@@ -8,6 +8,7 @@ from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 from fastapi.routing import APIRoute
 
+from modallab.api.gate import COOKIE, OPEN_TO_ALL
 from modallab.api.problems import Problem
 
 Json = dict[str, Any]
@@ -31,18 +32,26 @@ TAGS = {
     "updates": "Corrections of a structure from measured modes or FRFs.",
     "studies": "Statistics of an updating method over noise levels and random seeds.",
     "diagnoses": "Search for effects that a structure and a rig lack, from a measurement.",
+    "keys": "API keys, classes of students, sessions of web pages.",
     "jobs": "Progress, results and cancellation of long work.",
     "catalog": "Names, parameters and bounds of everything that can be chosen.",
     "service": "Health and versions of the service.",
 }
 ERRORS = {
+    400: "The body cannot be read",
+    401: "The service has keys, and no valid one was sent",
+    403: "The key does not allow this, or the page of another origin asks",
     404: "Nothing is stored under an id of the request",
-    409: "Other results were made from it",
+    409: "Other results were made from it, or the Idempotency-Key named another request",
     413: "The body is too large",
     415: "The body has another content type than the operation takes",
     422: "A parameter or a field of the body is not valid",
     501: "An optional part of the service is not installed",
     503: "The queue of jobs is full; `Retry-After` says when to try again",
+}
+_SCHEMES: Json = {
+    "key": {"type": "http", "scheme": "bearer", "description": "API key; needed once the service has one"},
+    "session": {"type": "apiKey", "in": "cookie", "name": COOKIE, "description": "of `POST /v1/sessions`"},
 }
 _PROBLEM = "application/problem+json"
 _REF = "#/components/schemas/"
@@ -68,8 +77,9 @@ def build(app: FastAPI) -> Json:
         schemas.pop(name, None)
     problem = Problem.model_json_schema(ref_template=_REF + "{model}")
     schemas |= problem.pop("$defs") | {"Problem": problem}
-    for _, method, operation in operations(document):
-        _add_errors(method, operation)
+    document["components"]["securitySchemes"] = _SCHEMES
+    for path, method, operation in operations(document):
+        _add_errors(method, operation, is_public=(method.upper(), path) in OPEN_TO_ALL)
         for spec in operation.get("parameters", ()):
             spec.setdefault("description", spec["schema"].get("description", ""))
         _name_components(operation, schemas)
@@ -125,20 +135,25 @@ def _sorted(value: Any, key: str = "") -> Any:
     return [_sorted(entry) for entry in value] if isinstance(value, list) else value
 
 
-def _add_errors(method: str, operation: Json) -> None:
+def _add_errors(method: str, operation: Json, *, is_public: bool) -> None:
     replies = operation["responses"]
     parameters = operation.get("parameters", [])
     body = operation.get("requestBody")
     is_job = "202" in replies
     statuses = {422}
+    if not is_public:
+        statuses |= {401, 403}
+        operation["security"] = [{name: []} for name in _SCHEMES] + [{}]
+    elif body is not None:
+        statuses |= {401, 403}
     if body is not None:
-        statuses |= {413, 415}
-    if any(spec["in"] == "path" and spec["name"] == "id" for spec in parameters) or method == "post":
+        statuses |= {400, 413, 415}
+    if any(spec["name"] in ("id", "after") for spec in parameters) or method == "post":
         statuses.add(404)
     if method == "delete" and "204" in replies:
         statuses.add(409)
     if is_job:
-        statuses.add(503)
+        statuses |= {409, 503}
     for status in sorted(statuses):
         replies[str(status)] = _problem_reply(status)
 

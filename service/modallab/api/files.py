@@ -9,6 +9,7 @@ from starlette.responses import Response
 from starlette.routing import Match
 from starlette.types import Scope
 
+from modallab.api.media import CSV_TYPE
 from modallab.interchange.uff_text import Origin
 from modallab.store.base import Entry
 
@@ -76,8 +77,16 @@ def origin(entry: Entry, content: str) -> Origin:
 class FormRoute(APIRoute):
     """Takes forms only, so that the same path may take JSON in another route, declared after it."""
 
+    media_type = "multipart/form-data"
+
     def matches(self, scope: Scope) -> tuple[Match, Scope]:
         """Return whether the request is for this route."""
-        if not Headers(scope=scope).get("content-type", "").startswith("multipart/form-data"):
+        if not Headers(scope=scope).get("content-type", "").startswith(self.media_type):
             return Match.NONE, {}
         return super().matches(scope)
+
+
+class CsvRoute(FormRoute):
+    """Takes tables as CSV only."""
+
+    media_type = CSV_TYPE

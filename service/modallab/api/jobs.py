@@ -10,12 +10,13 @@ from fastapi import APIRouter, Header, Query, status
 from starlette.responses import StreamingResponse
 
 from modallab.api import problems
-from modallab.api.deps import After, IdPath, JobsDep, Limit, OwnerDep
+from modallab.api.deps import After, IdPath, JobsDep, Limit, OwnerWanted, ViewerDep
 from modallab.api.limits import JOB_STREAM
 from modallab.api.replies import reply
 from modallab.api.wire import Reply
 from modallab.jobs.runner import Job, JobRunner, JobState
 from modallab.jobs.tasks import DIAGNOSIS, EXTRACTION, MEASUREMENT, STUDY, UPDATE
+from modallab.store.viewer import Viewer
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])
 LastEventId = Annotated[
@@ -47,7 +48,7 @@ State = Annotated[JobState | None, Query(description="state of the jobs; left ou
 JobReply: Any = reply(
     Job,
     "JobStatus",
-    leave_out=("owner", "arguments"),
+    leave_out=("arguments",),
     result_id=(str | None, "Id of the result; null until the job has succeeded."),
     error=(dict[str, Any] | None, "Problem document of a failed job; else null."),
 )
@@ -79,61 +80,67 @@ class CancelledJobs(Reply):
 @router.get("", response_model=JobPage, summary="List jobs")
 def list_jobs(
     jobs: JobsDep,
-    owner: OwnerDep,
+    viewer: ViewerDep,
+    owner: OwnerWanted = None,
     state: State = None,
     kind: KindOfJob = None,
     limit: Limit = 100,
     after: After = None,
 ) -> JobPage:
-    """Return the jobs page by page, newest first."""
+    """Return one's own jobs, or those of another owner, page by page, newest first."""
     task = None if kind is None else KINDS[kind]
-    found = jobs.find(owner=owner, state=state, task=task, limit=limit, cursor=after)
+    of = viewer.owner if owner is None else owner
+    found = jobs.find(viewer=viewer, owner=of, state=state, task=task, limit=limit, cursor=after)
     return JobPage(
         items=[job_reply(job) for job in found], next=found[-1].id if len(found) == limit else None
     )
 
 
 @router.delete("", response_model=CancelledJobs, summary="Cancel all jobs")
-def cancel_all_jobs(jobs: JobsDep, owner: OwnerDep, kind: KindOfJob = None) -> CancelledJobs:
-    """Return the ids of all waiting and running jobs after asking them to stop."""
+def cancel_all_jobs(jobs: JobsDep, viewer: ViewerDep, kind: KindOfJob = None) -> CancelledJobs:
+    """Return the ids of all of one's own waiting and running jobs after asking them to stop."""
     task, cancelled = None if kind is None else KINDS[kind], list[str]()
     for state in (JobState.QUEUED, JobState.RUNNING):
         # What is cancelled is not found again.
-        while active := jobs.find(owner=owner, state=state, task=task, limit=_MOST, cursor=None):
-            ended = [jobs.cancel(job.id, owner=owner) for job in active]
+        while active := jobs.find(
+            viewer=viewer, owner=viewer.owner, state=state, task=task, limit=_MOST, cursor=None
+        ):
+            ended = [jobs.cancel(job.id, viewer=viewer) for job in active]
             cancelled += [job.id for job in ended if job.state is JobState.CANCELLED]
     return CancelledJobs(cancelled=cancelled)
 
 
 @router.get("/{id}", response_model=JobReply, summary="Get a job")
-def get_job(id: IdPath, jobs: JobsDep, owner: OwnerDep) -> Any:
+def get_job(id: IdPath, jobs: JobsDep, viewer: ViewerDep) -> Any:
     """Return the state and the progress of a job."""
-    return job_reply(jobs.get(id, owner=owner))
+    return job_reply(jobs.get(id, viewer=viewer))
 
 
 @router.delete("/{id}", status_code=status.HTTP_200_OK, response_model=JobReply, summary="Cancel a job")
-def cancel_job(id: IdPath, jobs: JobsDep, owner: OwnerDep) -> Any:
+def cancel_job(id: IdPath, jobs: JobsDep, viewer: ViewerDep) -> Any:
     """Return a job after asking it to stop; a job that has ended stays as it is."""
-    return job_reply(jobs.cancel(id, owner=owner))
+    return job_reply(jobs.cancel(id, viewer=viewer))
 
 
 @router.get("/{id}/events", response_class=StreamingResponse, responses=_EVENTS, summary="Follow a job")
 async def stream_job(
-    id: IdPath, jobs: JobsDep, owner: OwnerDep, last_event_id: LastEventId = None
+    id: IdPath, jobs: JobsDep, viewer: ViewerDep, last_event_id: LastEventId = None
 ) -> StreamingResponse:
     """Return a stream of server-sent events, one a change, each with the job as JSON.
 
     A stream that goes on after `Last-Event-ID` does not repeat that event.
     """
-    first = await to_thread.run_sync(partial(jobs.get, id, owner=owner))  # an unknown id is a 404, no stream
+    first = await to_thread.run_sync(
+        partial(jobs.get, id, viewer=viewer)
+    )  # an unknown id is a 404, no stream
     headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
     return StreamingResponse(
-        _events(jobs, first, last_event_id), media_type="text/event-stream", headers=headers
+        _events(jobs, viewer, first, last_event_id), media_type="text/event-stream", headers=headers
     )
 
 
-async def _events(jobs: JobRunner, job: Job, seen: str | None) -> AsyncIterator[str]:
-    look = partial(jobs.get, job.id, owner=job.owner)
+async def _events(jobs: JobRunner, viewer: Viewer, job: Job, seen: str | None) -> AsyncIterator[str]:
+    look = partial(jobs.get, job.id, viewer=viewer)
     if job.state.final or seen != _event_id(job):
         yield _event(job)
     silent = 0.0

@@ -22,7 +22,7 @@ from modallab.core import errors
 from modallab.jobs.outages import is_outage
 from modallab.jobs.runner import KeyReusedError, NotReadyError, QueueFullError
 from modallab.jobs.work import INTERNAL, describe
-from modallab.store.base import InUseError, StoredDataError
+from modallab.store.base import ForbiddenError, InUseError, StoredDataError, UnauthorisedError
 
 _log = structlog.get_logger()
 
@@ -32,11 +32,13 @@ STATUS: Mapping[type[errors.ModalLabError], int] = {
     errors.NotFoundError: 404,
     errors.CancelledError: 409,
     errors.MissingExtraError: 501,
+    ForbiddenError: 403,
     InUseError: 409,
     KeyReusedError: 409,
     NotReadyError: 503,
     QueueFullError: 503,
     StoredDataError: 500,
+    UnauthorisedError: 401,
 }
 # Written out, for the phrases of Python's own `http` module differ from version to version.
 CODES: Mapping[int, str] = {
@@ -53,6 +55,7 @@ TITLES: Mapping[str, str] = {
     "diverged": "The iteration diverged",
     "in_use": "Other results were made from it",
     "executor_taken": "Another process runs jobs under this name",
+    "forbidden": "This is not allowed",
     "internal": "The service failed",
     "invalid_input": "A value has no meaning",
     "invalid_request": "The request is not valid",
@@ -68,11 +71,16 @@ TITLES: Mapping[str, str] = {
     "stored_data": "Stored data are damaged",
     "structure": "The structure cannot be analysed",
     "time_limit": "The job took too long",
+    "unauthorized": "A valid key is needed",
     "underdetermined": "There are fewer equations than unknowns",
     "unknown_dof": "The structure has no such degree of freedom",
     "unsupported_media_type": "The body has another content type than the address takes",
 }
 
+_HEADERS: Mapping[int, Mapping[str, str]] = {
+    401: {"WWW-Authenticate": "Bearer"},
+    503: {"Retry-After": str(JOB_STREAM.retry_after)},
+}
 _FIELD_DOC = "name of the field at fault, from the body, path or query; absent where no field is"
 _VALUES_DOC = (
     "values allowed: a number, a list, bounds by their names in JSON Schema with their unit, or a "
@@ -113,7 +121,7 @@ def document(status: int, code: str, detail: str, context: Mapping[str, Any]) ->
 
 def response(problem: Mapping[str, Any]) -> JSONResponse:
     """Return the reply that carries a problem document."""
-    headers = {"Retry-After": str(JOB_STREAM.retry_after)} if problem["status"] == 503 else None
+    headers = _HEADERS.get(problem["status"])
     return JSONResponse(problem, problem["status"], media_type="application/problem+json", headers=headers)
 
 
@@ -222,6 +230,12 @@ def _of_storage(request: Request, error: Exception) -> JSONResponse:
     told = str(getattr(error, "orig", None) or error).splitlines()[0]
     _SELDOM.warn("database or disk are away", path=request.url.path, error=told)
     return response(document(503, "service_unavailable", "database or disk are away; try again", {}))
+
+
+def reply_to(request: Request, error: Exception) -> JSONResponse:
+    """Return the reply to a request that an error ended before it came to the handlers installed below."""
+    handler = _of_domain if isinstance(error, errors.ModalLabError) else _of_storage
+    return handler(request, error)
 
 
 def install(app: FastAPI) -> None:

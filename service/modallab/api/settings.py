@@ -1,13 +1,20 @@
 """Settings of the service, read from `MODALLAB_*` in the environment once, when a process starts."""
 
+import ipaddress
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field
-from pydantic_settings import BaseSettings, SettingsConfigDict
+from pydantic import BeforeValidator, Field
+from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 from modallab.jobs.durable import JobPlace
 from modallab.store.place import StorePlace
+
+LOOPBACK_NAMES = ("localhost", "127.0.0.1", "[::1]")
+
+
+def _names(value: Any) -> Any:
+    return [name.strip().lower() for name in value.split(",")] if isinstance(value, str) else value
 
 
 class ServiceSettings(BaseSettings):
@@ -20,6 +27,15 @@ class ServiceSettings(BaseSettings):
     )
     host: str = "127.0.0.1"
     port: int = Field(default=8000, ge=1, le=65535)
+    open: bool = Field(
+        default=False,
+        description="answer everybody on an address that others reach, although there are no keys",
+    )
+    allowed_hosts: Annotated[tuple[str, ...] | None, NoDecode, BeforeValidator(_names)] = Field(
+        default=None,
+        description="names, separated by commas, by which a service without keys is asked for; else those of "
+        "this machine where it listens to this machine only",
+    )
     database_url: str | None = Field(default=None, description="postgresql://...; else SQLite in `data`")
     database_schema: str = Field(default="modallab", pattern=r"^[a-z][a-z0-9_]{0,40}$")
     role: Literal["all", "api"] = Field(default="all", description="`api` leaves jobs to `modallab worker`")
@@ -37,6 +53,21 @@ class ServiceSettings(BaseSettings):
     def embedded(self) -> bool:
         """True where the database is a file of this service alone."""
         return self.database_url is None or self.database_url.startswith("sqlite")
+
+    @property
+    def is_loopback(self) -> bool:
+        """True where nobody but this machine reaches the service."""
+        try:
+            return ipaddress.ip_address(self.host).is_loopback
+        except ValueError:
+            return self.host == "localhost"
+
+    @property
+    def host_names(self) -> tuple[str, ...] | None:
+        """Names by which a service without keys is asked for; None: any."""
+        if self.allowed_hosts is None and not self.is_loopback:
+            return None
+        return (*LOOPBACK_NAMES, *(self.allowed_hosts or ()))
 
     @property
     def store_place(self) -> StorePlace:

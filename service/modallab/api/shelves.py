@@ -1,10 +1,32 @@
 """List and removal of the entries of a resource."""
 
-from fastapi import APIRouter, status
+from typing import Annotated
 
-from modallab.api.deps import After, IdPath, Limit, OwnerDep, StoreDep
-from modallab.api.wire import Reply, StoredEntry
-from modallab.store.base import Shelf, Store
+from fastapi import APIRouter, Query, status
+from pydantic import Field, StringConstraints
+
+from modallab.api.deps import After, IdPath, Limit, OwnerWanted, StoreDep
+from modallab.api.examples import example
+from modallab.api.wire import Reply, StoredEntry, Text, Wire
+from modallab.store.base import Description, Shelf, Store
+
+Label = Annotated[str, StringConstraints(min_length=1, max_length=50, pattern=r"^[^\x00-\x1f]+$")]
+NamePart = Annotated[
+    Text | None, Query(description="part of the name, in capitals or not; left out: any name")
+]
+LabelWanted = Annotated[Label | None, Query(description="label of the entries; left out: any")]
+_DESCRIPTION = {"name": "first test", "labels": ["autumn", "group 3"], "comment": "the stinger was bent"}
+
+
+class DescriptionIn(Wire):
+    """What an owner says of a stored object; a field that is left out stays as it was."""
+
+    name: Text | None = None
+    """name"""
+    labels: list[Label] | None = Field(default=None, max_length=20)
+    """labels by which it is found"""
+    comment: str | None = Field(default=None, max_length=2000, pattern=r"^[^\x00]*$")
+    """remark"""
 
 
 class Page(Reply):
@@ -40,10 +62,29 @@ def add_routes(router: APIRouter, shelf: str, singular: str) -> None:
         summary=f"List {plural}",
         description=f"Return the stored {plural} page by page, newest first.",
     )
-    def list_entries(store: StoreDep, owner: OwnerDep, limit: Limit = 100, after: After = None) -> Page:
-        entries = of(store).list(owner=owner, limit=limit, cursor=after)
+    def list_entries(
+        store: StoreDep,
+        owner: OwnerWanted = None,
+        name: NamePart = None,
+        label: LabelWanted = None,
+        limit: Limit = 100,
+        after: After = None,
+    ) -> Page:
+        entries = of(store).list(owner=owner, name=name, label=label, limit=limit, cursor=after)
         items = [StoredEntry(**StoredEntry.fields(entry)) for entry in entries]
         return Page(items=items, next=items[-1].id if len(items) == limit else None)
+
+    @router.patch(
+        "/{id}",
+        name=f"describe_{singular}",
+        summary=f"Describe a {thing}",
+        description=f"Return the entry of a {thing} with a new name, labels or comment.",
+    )
+    def describe_entry(
+        id: IdPath, body: Annotated[DescriptionIn, example(_DESCRIPTION)], store: StoreDep
+    ) -> StoredEntry:
+        of(store).describe(id, Description(body.name, body.labels, body.comment))
+        return StoredEntry(**StoredEntry.fields(of(store).entry(id)))
 
     @router.delete(
         "/{id}",

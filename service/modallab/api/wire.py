@@ -35,6 +35,7 @@ NodeNumber = Annotated[Count, Limits(1, 999_999_999)]
 NoiseFloor = Annotated[float, Field(gt=0, le=1), NO_CONVERSION]
 ModeCount = Annotated[int, Field(ge=1, le=100), NO_CONVERSION]
 Text = Annotated[str, StringConstraints(max_length=100, pattern=r"^[^\x00]*$")]
+HolderName = Annotated[str, StringConstraints(min_length=1, max_length=100, pattern=r"^[^\x00-\x1f]+$")]
 DofText = Annotated[
     str,
     StringConstraints(max_length=20, pattern=r"^[^\x00]*$"),
@@ -149,6 +150,8 @@ class StoredEntry(Reply):
 
     id: str
     """id of the stored object"""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     created: str
     """time of creation, ISO 8601, UTC"""
     version: str
@@ -157,14 +160,24 @@ class StoredEntry(Reply):
     """seed of its random numbers; null where there are none"""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
+    comment: str
+    """what its owner remarks on it"""
 
     @staticmethod
     def fields(entry: Entry) -> dict[str, Any]:
         """Return the fields that every answer shares."""
         return {
             "id": entry.id,
+            "owner": entry.owner,
             "created": entry.created,
             "version": entry.version,
             "seed": entry.seed,
             "made_from": entry.inputs,
+            "name": entry.name,
+            "labels": tuple(entry.labels),
+            "comment": entry.comment,
         }

@@ -13,6 +13,7 @@ from modallab.jobs.runner import Job, JobState, KeyReusedError, QueueFullError, 
 from modallab.jobs.settings import JOB
 from modallab.store.sql import new_id
 from modallab.store.tables import JOBS
+from modallab.store.viewer import EVERYONE, Viewer, manageable
 
 _UNSHOWN = ("restarts", "request_key", "request_digest")
 _ACTIVE = JOBS.c.state.in_([JobState.QUEUED.value, JobState.RUNNING.value])
@@ -79,11 +80,9 @@ class JobBook:
             )
         return self._with_places([_job(row._asdict())])[0]
 
-    def get(self, job_id: str, *, owner: str | None = None) -> Job:
-        """Return a job, of an owner if one is named."""
-        query = sa.select(JOBS).where(JOBS.c.id == job_id)
-        if owner is not None:
-            query = query.where(JOBS.c.owner == owner)
+    def get(self, job_id: str, *, viewer: Viewer = EVERYONE) -> Job:
+        """Return a job, if it is there for the viewer."""
+        query = sa.select(JOBS).where(JOBS.c.id == job_id, manageable(JOBS.c.owner, viewer))
         with self._engine.begin() as connection:
             row = connection.execute(query).first()
         if row is None:
@@ -93,20 +92,23 @@ class JobBook:
     def find(
         self,
         *,
-        owner: str,
+        viewer: Viewer = EVERYONE,
+        owner: str | None = None,
         state: JobState | None = None,
         task: str | None = None,
         limit: int = 100,
         cursor: str | None = None,
     ) -> list[Job]:
-        """Return the newest jobs of an owner, those older than `cursor`."""
-        query = sa.select(JOBS).where(JOBS.c.owner == owner)
+        """Return the newest jobs that exist for a viewer, those of an owner if named, before `cursor`."""
+        query = sa.select(JOBS).where(manageable(JOBS.c.owner, viewer))
+        if owner is not None:
+            query = query.where(JOBS.c.owner == owner)
         if state is not None:
             query = query.where(JOBS.c.state == state.value)
         if task is not None:
             query = query.where(JOBS.c.task == task)
         if cursor is not None:
-            last = self.get(cursor, owner=owner)
+            last = self.get(cursor, viewer=viewer)
             age = sa.tuple_(JOBS.c.created, JOBS.c.id)
             query = query.where(age < sa.tuple_(sa.literal(last.created), sa.literal(last.id)))
         query = query.order_by(JOBS.c.created.desc(), JOBS.c.id.desc()).limit(limit)

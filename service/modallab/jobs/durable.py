@@ -29,6 +29,7 @@ from modallab.jobs.settings import JOB
 from modallab.jobs.work import INTERNAL, count_shares, describe, perform, perform_share
 from modallab.store.engine import make_engine
 from modallab.store.place import StorePlace, engine_of
+from modallab.store.viewer import Viewer
 
 _NAME = "modallab"
 _QUEUE = "jobs"
@@ -341,9 +342,9 @@ class DurableRunner:
         _Engine(self._client).enqueue(job.id)  # an id that is queued already is queued once
         return job
 
-    def get(self, job_id: str, *, owner: str) -> Job:
-        """Return a job of an owner."""
-        return self._book.get(job_id, owner=owner)
+    def get(self, job_id: str, *, viewer: Viewer) -> Job:
+        """Return a job, if it is there for the viewer."""
+        return self._book.get(job_id, viewer=viewer)
 
     def is_served(self) -> bool:
         """Return whether a process lives that runs jobs: this one, or another that shows it."""
@@ -353,14 +354,21 @@ class DurableRunner:
         return len(self._watch.lost(executors)) < len(executors)
 
     def find(
-        self, *, owner: str, state: JobState | None, task: str | None, limit: int, cursor: str | None
+        self,
+        *,
+        viewer: Viewer,
+        owner: str | None,
+        state: JobState | None,
+        task: str | None,
+        limit: int,
+        cursor: str | None,
     ) -> list[Job]:
-        """Return the newest jobs of an owner, those older than `cursor`."""
-        return self._book.find(owner=owner, state=state, task=task, limit=limit, cursor=cursor)
+        """Return the newest jobs that exist for a viewer, those of an owner if named, before `cursor`."""
+        return self._book.find(viewer=viewer, owner=owner, state=state, task=task, limit=limit, cursor=cursor)
 
-    def cancel(self, job_id: str, *, owner: str) -> Job:
+    def cancel(self, job_id: str, *, viewer: Viewer) -> Job:
         """Stop a job and return it; a job that has ended stays as it is."""
-        job = self._book.get(job_id, owner=owner)
+        job = self._book.get(job_id, viewer=viewer)
         if self._book.cancel(job.id):
             assert self._client is not None
             self._client.cancel_workflow(job.id, cancel_children=True)

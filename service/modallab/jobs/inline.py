@@ -7,6 +7,7 @@ from modallab.jobs.book import JobBook
 from modallab.jobs.runner import Job, JobState, RequestKey
 from modallab.jobs.work import perform
 from modallab.store.place import StorePlace
+from modallab.store.viewer import Viewer
 
 
 class InlineRunner:
@@ -33,21 +34,28 @@ class InlineRunner:
             raise RuntimeError(f"task {task} failed:\n{fault}")
         return self._book.get(job.id)
 
-    def get(self, job_id: str, *, owner: str) -> Job:
-        """Return a job of an owner."""
-        return self._book.get(job_id, owner=owner)
+    def get(self, job_id: str, *, viewer: Viewer) -> Job:
+        """Return a job, if it is there for the viewer."""
+        return self._book.get(job_id, viewer=viewer)
 
     def is_served(self) -> bool:
         """Return True: this process runs its jobs."""
         return True
 
     def find(
-        self, *, owner: str, state: JobState | None, task: str | None, limit: int, cursor: str | None
+        self,
+        *,
+        viewer: Viewer,
+        owner: str | None,
+        state: JobState | None,
+        task: str | None,
+        limit: int,
+        cursor: str | None,
     ) -> list[Job]:
-        """Return the newest jobs of an owner, those older than `cursor`."""
-        return self._book.find(owner=owner, state=state, task=task, limit=limit, cursor=cursor)
+        """Return the newest jobs that exist for a viewer, those of an owner if named, before `cursor`."""
+        return self._book.find(viewer=viewer, owner=owner, state=state, task=task, limit=limit, cursor=cursor)
 
-    def cancel(self, job_id: str, *, owner: str) -> Job:
+    def cancel(self, job_id: str, *, viewer: Viewer) -> Job:
         """Return the job: what this runner did has ended before anyone could cancel it."""
-        self._book.cancel(self._book.get(job_id, owner=owner).id)
+        self._book.cancel(self._book.get(job_id, viewer=viewer).id)
         return self._book.get(job_id)

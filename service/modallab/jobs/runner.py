@@ -7,6 +7,7 @@ from typing import Any, Protocol, Self
 
 from modallab.core.errors import ModalLabError
 from modallab.jobs.settings import JOB
+from modallab.store.viewer import Viewer
 
 
 class JobState(StrEnum):
@@ -123,8 +124,8 @@ class JobRunner(Protocol):
         """
         ...
 
-    def get(self, job_id: str, *, owner: str) -> Job:
-        """Return a job of an owner; `NotFoundError` if there is none."""
+    def get(self, job_id: str, *, viewer: Viewer) -> Job:
+        """Return a job; `NotFoundError` if it is not there for the viewer."""
         ...
 
     def is_served(self) -> bool:
@@ -132,11 +133,18 @@ class JobRunner(Protocol):
         ...
 
     def find(
-        self, *, owner: str, state: JobState | None, task: str | None, limit: int, cursor: str | None
+        self,
+        *,
+        viewer: Viewer,
+        owner: str | None,
+        state: JobState | None,
+        task: str | None,
+        limit: int,
+        cursor: str | None,
     ) -> list[Job]:
-        """Return the newest jobs of an owner, those older than `cursor`."""
+        """Return the newest jobs that exist for a viewer, those of an owner if named, before `cursor`."""
         ...
 
-    def cancel(self, job_id: str, *, owner: str) -> Job:
+    def cancel(self, job_id: str, *, viewer: Viewer) -> Job:
         """Stop a job and return it; a job that has ended stays as it is."""
         ...

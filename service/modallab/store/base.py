@@ -1,12 +1,13 @@
 """What a store offers: shelves of immutable things, each under an opaque id."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from typing import Any, Protocol, TypeVar
 
 from modallab.core.errors import ModalLabError
 from modallab.core.place import EffectSpec
+from modallab.store.viewer import Viewer
 
 T = TypeVar("T")
 
@@ -15,6 +16,18 @@ class InUseError(ModalLabError):
     """Something else that is stored was made from this."""
 
     code = "in_use"
+
+
+class ForbiddenError(ModalLabError):
+    """The key does not allow this."""
+
+    code = "forbidden"
+
+
+class UnauthorisedError(ModalLabError):
+    """No key was sent, or one that is not valid."""
+
+    code = "unauthorized"  # as HTTP spells it
 
 
 class StoredDataError(ModalLabError):
@@ -34,6 +47,18 @@ class Entry:
     version: str  # of modallab that made it
     inputs: Mapping[str, str] = field(default_factory=dict)  # what it was made from: role -> id
     seed: int | None = None
+    name: str = ""
+    labels: Sequence[str] = ()
+    comment: str = ""
+
+
+@dataclass(frozen=True)
+class Description:
+    """What an owner says of a stored thing; None: as it was."""
+
+    name: str | None = None
+    labels: Sequence[str] | None = None
+    comment: str | None = None
 
 
 @dataclass(frozen=True)
@@ -47,7 +72,7 @@ class Truth:
 
 
 class Shelf(Protocol[T]):
-    """Things of one kind. Nothing is ever changed in place."""
+    """Things of one kind. Nothing but its description is ever changed in place."""
 
     def add(
         self,
@@ -72,8 +97,28 @@ class Shelf(Protocol[T]):
         """Return what is known of a thing; `NotFoundError` if there is none."""
         ...
 
-    def list(self, *, owner: str, limit: int, cursor: str | None = None) -> list[Entry]:
-        """Return the newest entries of an owner, those older than `cursor`."""
+    def list(
+        self,
+        *,
+        owner: str | None = None,
+        name: str | None = None,
+        label: str | None = None,
+        limit: int,
+        cursor: str | None = None,
+    ) -> list[Entry]:
+        """Return the newest entries, those older than `cursor`.
+
+        Parameters
+        ----------
+        owner, label
+            Of the entries; None: any.
+        name
+            Part of their names, in capitals or not; None: any name.
+        """
+        ...
+
+    def describe(self, id: str, description: Description) -> None:
+        """Change what is said of a thing."""
         ...
 
     def npz(self, id: str) -> bytes:
@@ -118,6 +163,10 @@ class Store(Protocol):
     studies: Shelf[Any]
     diagnoses: Shelf[Any]
     truths: TruthShelf
+
+    def as_seen_by(self, viewer: Viewer) -> "Store":
+        """Return the store in which only what is there for the viewer exists."""
+        ...
 
     def together(self) -> "AbstractContextManager[Store]":
         """Return a store whose additions are seen all at once when the block ends, or never."""

@@ -1,8 +1,10 @@
 """Store of objects in an SQL database and in array files."""
 
+import json
 import secrets
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, nullcontext
+from dataclasses import fields
 from datetime import UTC, datetime
 from typing import Any, Generic, TypeVar
 
@@ -13,16 +15,19 @@ from sqlalchemy.exc import IntegrityError
 import modallab
 from modallab.core.errors import NotFoundError
 from modallab.store.arrays import ArrayFiles
-from modallab.store.base import Entry, InUseError, Truth
+from modallab.store.base import Description, Entry, ForbiddenError, InUseError, Truth
 from modallab.store.codec import CODECS, Codec
 from modallab.store.npz import pack, unpack
 from modallab.store.plain import from_plain, to_plain
 from modallab.store.tables import LINKS, THINGS, TRUTHS
+from modallab.store.viewer import EVERYONE, Viewer, manageable, readable
 
 T = TypeVar("T")
 Connect = Callable[[], AbstractContextManager[sa.Connection]]
 
-_ENTRY = [THINGS.c[name] for name in ("id", "kind", "owner", "created", "version", "inputs", "seed")]
+_LONGEST_NAME = 100
+_ENTRY_FIELDS = tuple(field.name for field in fields(Entry))
+_ENTRY = [THINGS.c[name] for name in _ENTRY_FIELDS]
 
 
 def new_id() -> str:
@@ -42,8 +47,11 @@ def insert_once(connection: sa.Connection, table: sa.Table, row: Mapping[str, An
 class SqlShelf(Generic[T]):
     """Things of one kind: metadata and body in a row, arrays in a file."""
 
-    def __init__(self, kind: str, codec: Codec[T], connect: Connect, files: ArrayFiles) -> None:
+    def __init__(
+        self, kind: str, codec: Codec[T], connect: Connect, files: ArrayFiles, viewer: Viewer = EVERYONE
+    ) -> None:
         self._kind, self._codec, self._connect, self._files = kind, codec, connect, files
+        self._viewer = viewer
 
     def add(
         self,
@@ -69,6 +77,9 @@ class SqlShelf(Generic[T]):
             "seed": seed,
             "body": body,
             "arrays_hash": self._files.put(own_id, pack(arrays)) if arrays else None,
+            "name": getattr(thing, "name", "")[
+                :_LONGEST_NAME
+            ],  # a structure's own, until its owner gives another
         }
         with self._connect() as connection:
             if insert_once(connection, THINGS, row):
@@ -85,9 +96,9 @@ class SqlShelf(Generic[T]):
             ) from None
 
     def _row(self, id: str, *columns: sa.Column[Any]) -> sa.Row[Any]:
-        condition = (THINGS.c.id == id) & (THINGS.c.kind == self._kind)
+        query = sa.select(*columns).where(THINGS.c.id == id, THINGS.c.kind == self._kind)
         with self._connect() as connection:
-            row = connection.execute(sa.select(*columns).where(condition)).first()
+            row = connection.execute(query.where(readable(self._viewer))).first()
         if row is None:
             raise NotFoundError(f"there is no {self._kind} {id!r}", field=f"{self._kind}_id", value=id)
         return row
@@ -102,15 +113,45 @@ class SqlShelf(Generic[T]):
         """Return the entry of a thing."""
         return Entry(**self._row(id, *_ENTRY)._mapping)
 
-    def list(self, *, owner: str, limit: int, cursor: str | None = None) -> list[Entry]:
-        """Return the newest entries of an owner, those older than `cursor`."""
+    def list(
+        self,
+        *,
+        owner: str | None = None,
+        name: str | None = None,
+        label: str | None = None,
+        limit: int,
+        cursor: str | None = None,
+    ) -> list[Entry]:
+        """Return the newest entries of an owner, a name and a label, those older than `cursor`."""
         age = sa.tuple_(THINGS.c.created, THINGS.c.id)
-        query = sa.select(*_ENTRY).where(THINGS.c.kind == self._kind, THINGS.c.owner == owner)
+        query = sa.select(*_ENTRY).where(THINGS.c.kind == self._kind, readable(self._viewer))
+        if owner is not None:
+            query = query.where(THINGS.c.owner == owner)
+        if name is not None:
+            query = query.where(THINGS.c.name.icontains(name, autoescape=True))
+        if label is not None:
+            query = query.where(_has_label(label))
         if cursor is not None:
             query = query.where(age < sa.tuple_(*self._row(cursor, THINGS.c.created, THINGS.c.id)))
         query = query.order_by(THINGS.c.created.desc(), THINGS.c.id.desc()).limit(limit)
         with self._connect() as connection:
             return [Entry(**row._mapping) for row in connection.execute(query)]
+
+    def describe(self, id: str, description: Description) -> None:
+        """Change what is said of a thing."""
+        self.check(id)
+        values: dict[str, Any] = {"id": id}  # an update sets at least one column
+        values |= {name: value for name, value in vars(description).items() if value is not None}
+        condition = (THINGS.c.id == id) & manageable(THINGS.c.owner, self._viewer)
+        change = THINGS.update().where(condition).values(**values)
+        with self._connect() as connection:
+            if connection.execute(change.returning(THINGS.c.id)).first() is None:
+                raise self._shared()
+
+    def _shared(self) -> ForbiddenError:
+        return ForbiddenError(
+            f"this {self._kind} is shared with your class, and not yours to change or remove"
+        )
 
     def npz(self, id: str) -> bytes:
         """Return a thing's arrays as they lie in the store."""
@@ -120,9 +161,11 @@ class SqlShelf(Generic[T]):
     def remove(self, id: str) -> None:
         """Forget a thing."""
         digest = self._row(id, THINGS.c.arrays_hash).arrays_hash
+        removal = THINGS.delete().where(THINGS.c.id == id, manageable(THINGS.c.owner, self._viewer))
         try:
             with self._connect() as connection:
-                connection.execute(THINGS.delete().where(THINGS.c.id == id))
+                if connection.execute(removal.returning(THINGS.c.id)).first() is None:
+                    raise self._shared()
         except IntegrityError:
             raise InUseError(
                 f"the {self._kind} {id!r} is what something else was made from", value=id
@@ -141,6 +184,11 @@ class SqlShelf(Generic[T]):
         except NotFoundError:
             return False
         return True
+
+
+def _has_label(label: str) -> sa.ColumnElement[bool]:
+    # A quotation mark within a label is written with a backslash: no part of a label is found.
+    return sa.cast(THINGS.c.labels, sa.Text).contains(json.dumps(label), autoescape=True)
 
 
 class SqlTruths:
@@ -168,10 +216,10 @@ class SqlTruths:
 
 
 class SqlStore:
-    """Everything that is kept, in a database and a place for array files."""
+    """Everything that is kept, in a database and a place for array files, as a viewer sees it."""
 
-    def __init__(self, connect: Connect, files: ArrayFiles) -> None:
-        self._connect, self._files = connect, files
+    def __init__(self, connect: Connect, files: ArrayFiles, viewer: Viewer = EVERYONE) -> None:
+        self._connect, self._files, self._viewer = connect, files, viewer
         self.structures = self._shelf("structure")
         self.rigs = self._shelf("rig")
         self.measurements = self._shelf("measurement")
@@ -183,10 +231,14 @@ class SqlStore:
         self.truths = SqlTruths(connect)
 
     def _shelf(self, kind: str) -> SqlShelf[Any]:
-        return SqlShelf(kind, CODECS[kind], self._connect, self._files)
+        return SqlShelf(kind, CODECS[kind], self._connect, self._files, self._viewer)
+
+    def as_seen_by(self, viewer: Viewer) -> "SqlStore":
+        """Return the store in which only what is there for the viewer exists."""
+        return self if viewer == self._viewer else SqlStore(self._connect, self._files, viewer)
 
     @contextmanager
     def together(self) -> Iterator["SqlStore"]:
         """Return a store whose additions are seen all at once when the block ends, or never."""
         with self._connect() as connection:
-            yield SqlStore(lambda: nullcontext(connection), self._files)
+            yield SqlStore(lambda: nullcontext(connection), self._files, self._viewer)

@@ -23,7 +23,12 @@ THINGS = sa.Table(
     sa.Column("seed", sa.BigInteger),
     sa.Column("body", sa.JSON, nullable=False),
     sa.Column("arrays_hash", sa.String(64)),  # SHA-256 of the array file, null without arrays
+    # What its owner says of it: the only columns that change.
+    sa.Column("name", sa.String(100), nullable=False, server_default=""),
+    sa.Column("labels", sa.JSON, nullable=False, server_default="[]"),
+    sa.Column("comment", sa.Text, nullable=False, server_default=""),
     sa.Index("ix_things_shelf", "kind", "owner", "created", "id"),
+    sa.Index("ix_things_created", "kind", "created", "id"),
 )
 
 # Which thing was made from which: what keeps an input from being removed.
@@ -64,6 +69,7 @@ JOBS = sa.Table(
     sa.Column("request_digest", sa.String(64)),
     sa.Index("ix_jobs_request", "owner", "request_key", unique=True),
     sa.Index("ix_jobs_created", "owner", "created", "id"),
+    sa.Index("ix_jobs_age", "created", "id"),
 )
 
 # Processes that run jobs, each with a counter that rises while it lives.
@@ -75,4 +81,46 @@ EXECUTORS = sa.Table(
     sa.Column("host", sa.String(256), nullable=False),
     sa.Column("pid", sa.Integer, nullable=False),
     sa.Column("beat", sa.BigInteger, nullable=False),
+)
+
+CLASSES = sa.Table(
+    "classes",
+    METADATA,
+    sa.Column("id", sa.String(64), primary_key=True),
+    sa.Column("name", sa.String(100), nullable=False),
+    sa.Column("owner", sa.ForeignKey("keys.id"), nullable=False, index=True),
+    sa.Column("created", sa.String(40), nullable=False),
+    sa.Column("expires", sa.String(40)),  # when its members' keys do
+    sa.Column("closed", sa.String(40)),
+)
+
+# Rows are revoked and never removed: results name their owners.
+KEYS = sa.Table(
+    "keys",
+    METADATA,
+    sa.Column("id", sa.String(64), primary_key=True),
+    sa.Column("name", sa.String(100), nullable=False),
+    sa.Column("role", sa.String(16), nullable=False),
+    # Without a constraint: the two tables would have to be created before each other.
+    sa.Column("class_id", sa.String(64), index=True),
+    sa.Column("digest", sa.String(64), nullable=False),  # SHA-256 of the key
+    sa.Column("created", sa.String(40), nullable=False),
+    sa.Column("expires", sa.String(40)),
+    sa.Column("revoked", sa.String(40)),
+)
+
+# What a class may read beside its members' own things.
+SHARES = sa.Table(
+    "shares",
+    METADATA,
+    sa.Column("class_id", sa.ForeignKey("classes.id"), primary_key=True),
+    sa.Column("thing_id", sa.ForeignKey("things.id", ondelete="CASCADE"), primary_key=True, index=True),
+)
+
+SESSIONS = sa.Table(
+    "sessions",
+    METADATA,
+    sa.Column("digest", sa.String(64), primary_key=True),  # SHA-256 of the cookie
+    sa.Column("key_id", sa.ForeignKey("keys.id"), nullable=False, index=True),
+    sa.Column("expires", sa.String(40), nullable=False),
 )

@@ -26,7 +26,9 @@ class Service:
         """Return the reply to a request."""
 
         async def send() -> httpx.Response:
-            async with httpx.AsyncClient(transport=self._transport, base_url="http://lab") as client:
+            async with httpx.AsyncClient(
+                transport=self._transport, base_url="http://localhost:8000"
+            ) as client:
                 return await client.request(method, path, **given)
 
         return self._portal.call(send)

@@ -40,7 +40,7 @@ def test_the_stream_follows_a_job_to_its_end(service: Any, settings: Any) -> Non
     told: list[str] = []
     get = service.app.state.jobs.get
 
-    def went_on(job_id: str, *, owner: str) -> Any:
+    def went_on(job_id: str, *, viewer: Any) -> Any:
         steps = [
             lambda: book.start(job_id),
             lambda: book.progress(job_id, 0.5, "half"),
@@ -49,7 +49,7 @@ def test_the_stream_follows_a_job_to_its_end(service: Any, settings: Any) -> Non
         if len(told) < len(steps):
             steps[len(told)]()
         told.append(job_id)
-        return get(job_id, owner=owner)
+        return get(job_id, viewer=viewer)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(service.app.state.jobs, "get", went_on)
@@ -82,11 +82,11 @@ def test_a_stream_that_goes_on_does_not_repeat_its_last_event(service: Any, sett
     get = service.app.state.jobs.get
     calls: list[str] = []
 
-    def ends(job_id: str, *, owner: str) -> Any:
+    def ends(job_id: str, *, viewer: Any) -> Any:
         calls.append(job_id)
         if len(calls) % 3 == 0:
             book.succeed(job_id)
-        return get(job_id, owner=owner)
+        return get(job_id, viewer=viewer)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(service.app.state.jobs, "get", ends)

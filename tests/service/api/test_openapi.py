@@ -19,6 +19,17 @@ CHECKED = settings(
 )
 
 
+# A service without keys makes none, and no classes; tests/service/api/test_keys.py sends these with keys.
+BEFORE_THE_FIRST_KEY = {
+    "/v1/keys": (403,),
+    "/v1/keys/{id}/rotate": (403,),
+    "/v1/classes": (403,),
+    "/v1/classes/{id}/members": (403,),
+    "/v1/classes/{id}/shares": (403,),
+    "/v1/sessions": (401,),
+}
+
+
 @pytest.fixture(scope="module")
 def document(service: Any) -> Any:
     """The OpenAPI document."""
@@ -43,7 +54,10 @@ def test_the_examples_are_good_requests(service: Any, document: Any, beam: str) 
         for example in contents.get("application/json", {}).get("examples", {}).values():
             reply = service.request("POST", path.replace("{id}", beam), json=example["value"])
             # ids in an example are made up, all else must hold
-            assert reply.status_code in (201, 202, 404), (path, reply.text)
+            assert reply.status_code in (201, 202, 404, *BEFORE_THE_FIRST_KEY.get(path, ())), (
+                path,
+                reply.text,
+            )
 
 
 # Rules between fields, and the content of files, which no JSON schema tells: (path, field).
@@ -97,7 +111,7 @@ def test_no_request_ends_in_a_fault(
         # what others need is not deleted
         if mode is GenerationMode.POSITIVE and "id" in case.path_parameters and case.method != "DELETE":
             case.path_parameters["id"] = known["rig_id" if "/rigs" in case.path else "id"]
-        call = case.as_transport_kwargs(base_url="http://lab")
+        call = case.as_transport_kwargs(base_url="http://localhost:8000")
         call = {name: value for name, value in call.items() if name != "cookies" and value is not None}
         reply = service.request(call.pop("method"), call.pop("url"), **_for_httpx(call))
         wrong = reply.status_code >= 500 or reply.status_code == 405

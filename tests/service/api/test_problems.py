@@ -67,7 +67,7 @@ def test_an_unknown_query_parameter_is_refused(service: Any) -> None:
     problem = reply.json()
     assert (reply.status_code, problem["code"]) == (422, "invalid_request")
     assert problem["detail"] == "query.limti: there is no such field; did you mean `limit`?"
-    assert problem["context"]["allowed"] == ["after", "limit"]
+    assert problem["context"]["allowed"] == ["after", "label", "limit", "name", "owner"]
 
 
 def test_an_unknown_field_of_a_form_is_refused(service: Any) -> None:
@@ -99,7 +99,7 @@ def test_json_is_refused_where_a_file_is_taken(service: Any) -> None:
     ("path", "allowed"),
     [
         ("/v1/structures", "GET, POST"),
-        ("/v1/structures/5f0c31", "DELETE, GET"),
+        ("/v1/structures/5f0c31", "DELETE, GET, PATCH"),
         ("/v1/jobs/5f0c31", "DELETE, GET"),
         ("/v1/health", "GET"),
     ],

@@ -12,6 +12,7 @@ from modallab.jobs.book import JobBook
 from modallab.jobs.durable import JobPlace
 from modallab.jobs.runner import JobState, QueueFullError, RequestKey
 from modallab.store.place import StorePlace, engine_of
+from modallab.store.viewer import Viewer, Visibility
 
 Places = tuple[StorePlace, JobPlace]
 
@@ -56,9 +57,9 @@ def test_a_full_queue_takes_no_more_until_a_job_starts(places: Places) -> None:
 def test_a_job_is_shown_to_its_owner_alone(places: Places) -> None:
     book = book_at(places)
     job = book.open("update_and_store", {}, owner="me")
-    assert book.get(job.id, owner="me") == job
+    assert book.get(job.id, viewer=Viewer("me", Visibility.OWN)) == job
     with pytest.raises(NotFoundError):
-        book.get(job.id, owner="you")
+        book.get(job.id, viewer=Viewer("you", Visibility.OWN))
 
 
 def test_active_jobs_are_those_that_have_not_ended(places: Places) -> None:

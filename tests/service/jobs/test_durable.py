@@ -29,6 +29,7 @@ from modallab.jobs.studying import StudyInputs
 from modallab.jobs.tasks import STUDY
 from modallab.store.place import StorePlace, engine_of, open_store
 from modallab.store.plain import to_plain
+from modallab.store.viewer import Viewer, Visibility
 from modallab.updating.options import TwoStageOptions, UpdateOptions
 from modallab.updating.parameterisation import parameterise
 from modallab.updating.partitioning import automatic_groups
@@ -39,6 +40,7 @@ pytestmark = pytest.mark.filterwarnings(
     "ignore:Exception ignored in. <function BaseConnection.__del__:pytest.PytestUnraisableExceptionWarning"
 )
 
+ME = Viewer("me", Visibility.OWN)
 Places = tuple[StorePlace, JobPlace]
 Work = Callable[[DurableRunner], Awaitable[None]]
 # What noise pulls far is a thousand small steps away: such an update runs to its last iteration.
@@ -80,7 +82,7 @@ async def until(runner: DurableRunner, job: Job, reached: Callable[[Job], bool])
     """Return a job as soon as it is where it should be."""
     end = time.monotonic() + 60
     while time.monotonic() < end:
-        found = await to_thread.run_sync(partial(runner.get, job.id, owner="me"))
+        found = await to_thread.run_sync(partial(runner.get, job.id, viewer=ME))
         if reached(found):
             return found
         await anyio.sleep(0.05)
@@ -96,7 +98,7 @@ def test_a_job_runs_in_another_process_and_its_result_is_stored(places: Places) 
         assert ended.state is JobState.SUCCEEDED, ended
         assert open_store(places[0]).updates.holds(ended.result_id)
         with pytest.raises(NotFoundError):
-            runner.get(job.id, owner="you")
+            runner.get(job.id, viewer=Viewer("you", Visibility.OWN))
 
     run(places, work)
 
@@ -106,12 +108,12 @@ def test_a_cancelled_job_stops_within_a_second_and_stores_nothing(places: Places
         given = arguments(places, ENDLESS)
         job = await to_thread.run_sync(partial(runner.submit, "update_and_store", given, owner="me"))
         await until(runner, job, lambda j: j.fraction > 0)
-        cancelled = await to_thread.run_sync(partial(runner.cancel, job.id, owner="me"))
+        cancelled = await to_thread.run_sync(partial(runner.cancel, job.id, viewer=ME))
         assert cancelled.state is JobState.CANCELLED
         await anyio.sleep(1.0)
         seen = cancelled.fraction
-        assert runner.get(job.id, owner="me").fraction == seen
-        assert runner.cancel(job.id, owner="me").state is JobState.CANCELLED
+        assert runner.get(job.id, viewer=ME).fraction == seen
+        assert runner.cancel(job.id, viewer=ME).state is JobState.CANCELLED
         assert not open_store(places[0]).updates.holds(job.result_id)
 
     run(places, work)
@@ -186,7 +188,7 @@ def test_a_cancelled_study_stops_with_all_its_runs_within_two_seconds(places: Pl
         given = studying(places, 20, ENDLESS)
         job = await to_thread.run_sync(partial(runner.submit, "study_and_store", given, owner="me"))
         await until(runner, job, lambda j: j.state is JobState.RUNNING)
-        cancelled = await to_thread.run_sync(partial(runner.cancel, job.id, owner="me"))
+        cancelled = await to_thread.run_sync(partial(runner.cancel, job.id, viewer=ME))
         assert cancelled.state is JobState.CANCELLED
         await anyio.sleep(2.0)
         assert runner._client is not None

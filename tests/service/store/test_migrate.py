@@ -1,9 +1,11 @@
 """The migrations lead to the tables, and only there."""
 
+import sqlalchemy as sa
 from alembic import command
 
+from modallab.fe.catalogued import STRUCTURES
 from modallab.store.migrate import alembic_config
-from modallab.store.place import StorePlace, engine_of
+from modallab.store.place import StorePlace, engine_of, open_store
 
 
 def test_the_migrations_lead_to_the_tables_of_the_code(place: StorePlace) -> None:
@@ -21,3 +23,16 @@ def test_the_way_down_is_the_way_up_again(place: StorePlace) -> None:
     place.prepare()
     with engine_of(place).begin() as connection:
         command.check(alembic_config(connection))
+
+
+def test_what_was_stored_before_there_were_keys_is_read_afterwards(place: StorePlace) -> None:
+    structure = STRUCTURES["bay"]()
+    id = open_store(place).structures.add(structure, owner="local")
+    with engine_of(place).begin() as connection:
+        command.downgrade(alembic_config(connection), "0003")
+        assert not sa.inspect(connection).has_table("keys")
+    place.prepare()
+    store = open_store(place)
+    assert store.structures.get(id).members == structure.members
+    entries = [(entry.owner, entry.name) for entry in store.structures.list(limit=9)]
+    assert entries == [("local", structure.name)]

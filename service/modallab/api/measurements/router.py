@@ -7,6 +7,7 @@ from fastapi import APIRouter, Query, status
 from starlette.responses import Response
 
 from modallab.api import array_tables
+from modallab.api.access import TEACHERS
 from modallab.api.arrays import ArraysFormatDep
 from modallab.api.deps import IdPath, JobsDep, OwnerDep, RequestKeyDep, SettingsDep, StoreDep
 from modallab.api.examples import example
@@ -178,9 +179,9 @@ def get_log(id: IdPath, store: StoreDep) -> Any:
     return log_reply(store.measurements.get(id), store.measurements.entry(id))
 
 
-@router.get("/{id}/truth", response_model=TruthReply, summary="Get the truth")
+@router.get("/{id}/truth", response_model=TruthReply, summary="Get the truth", dependencies=[TEACHERS])
 def get_truth(id: IdPath, store: StoreDep, owner: OwnerDep) -> Truth:
-    """Return the structure and the effects of a simulated measurement, to its owner only."""
+    """Return the structure and the effects of a simulated measurement to its owner, unless a student."""
     return store.truths.get(id, owner=owner)
 
 

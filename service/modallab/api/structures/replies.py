@@ -15,8 +15,6 @@ from modallab.store.base import Entry
 class StructureSummary:
     """Size of a stored structure, and its groups of members."""
 
-    name: str
-    """Name of the structure."""
     n_nodes: int
     """Number of nodes."""
     n_dofs: int
@@ -46,7 +44,6 @@ ModesReply = stored_reply(ElasticModes, "StructureModes")
 def structure_reply(structure: Structure, entry: Entry) -> Any:
     """Return the reply of a stored structure."""
     summary = StructureSummary(
-        structure.name,
         len(structure.nodes),
         len(structure.dofs),
         len(structure.all_members),
