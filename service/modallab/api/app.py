@@ -15,6 +15,7 @@ from modallab.api.diagnoses import router as diagnoses
 from modallab.api.logs import RequestId
 from modallab.api.measurements import router as measurements
 from modallab.api.modal_models import router as modal_models
+from modallab.api.offloading.processes import RequestProcesses
 from modallab.api.operations import Operations, check_request
 from modallab.api.rigs import router as rigs
 from modallab.api.settings import ServiceSettings
@@ -53,13 +54,17 @@ def durable_runner(settings: ServiceSettings) -> DurableRunner:
     )
 
 
-def create_app(settings: ServiceSettings, runner: JobRunner | None = None) -> FastAPI:
+def create_app(
+    settings: ServiceSettings, runner: JobRunner | None = None, processes: RequestProcesses | None = None
+) -> FastAPI:
     """Return the application, its database prepared by `modallab.api.cli` or `modallab init`.
 
     Parameters
     ----------
     runner
         What runs the jobs; by default the durable one.
+    processes
+        What answers heavy requests; None: a thread of this process, as for all others.
     """
     chosen = durable_runner(settings) if runner is None else runner
 
@@ -68,6 +73,8 @@ def create_app(settings: ServiceSettings, runner: JobRunner | None = None) -> Fa
         await to_thread.run_sync(app.openapi)  # no request waits for the document that it is checked with
         async with chosen:
             yield
+            if processes is not None:
+                await processes.leave()
 
     app = Lab(
         title="modallab",
@@ -75,6 +82,7 @@ def create_app(settings: ServiceSettings, runner: JobRunner | None = None) -> Fa
         lifespan=lifespan,
         generate_unique_id_function=document.operation_id,
     )
+    app.state.processes = processes
     app.state.operations = Operations(app.openapi)
     app.state.settings, app.state.store, app.state.jobs = settings, open_store(settings.store_place), chosen
     v1 = APIRouter(prefix="/v1", dependencies=[Depends(check_request)])

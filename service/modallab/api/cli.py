@@ -91,13 +91,14 @@ def serve(
 
     from modallab.api import logs
     from modallab.api.app import create_app
+    from modallab.api.offloading.processes import RequestProcesses
 
     logs.configure()
     lock = _lock(settings.data) if settings.embedded else None
     if settings.embedded:
         _prepare(settings)
     uvicorn.run(
-        create_app(settings),
+        create_app(settings, processes=RequestProcesses(settings)),
         host=settings.host,
         port=settings.port,
         log_config=None,

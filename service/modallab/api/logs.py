@@ -3,6 +3,7 @@
 import logging
 import re
 import secrets
+from typing import TextIO
 
 import structlog
 from starlette.datastructures import Headers, MutableHeaders
@@ -12,8 +13,8 @@ _HEADER = "X-Request-Id"
 _SOUND = re.compile(r"[A-Za-z0-9._-]{1,64}")
 
 
-def configure() -> None:
-    """Send structlog and the standard library's loggers to standard error, as JSON."""
+def configure(stream: TextIO | None = None) -> None:
+    """Send structlog and the standard library's loggers to a stream, by default standard error, as JSON."""
     processors: list[structlog.typing.Processor] = [
         structlog.contextvars.merge_contextvars,
         structlog.processors.add_log_level,
@@ -32,7 +33,7 @@ def configure() -> None:
             structlog.processors.JSONRenderer(),
         ],
     )
-    handler = logging.StreamHandler()
+    handler = logging.StreamHandler(stream)
     handler.setFormatter(formatter)
     logging.basicConfig(handlers=[handler], level=logging.INFO, force=True)
     for talkative in ("alembic", "dbos"):

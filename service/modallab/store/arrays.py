@@ -24,6 +24,10 @@ class ArrayFiles(Protocol):
         """Forget an array file; nothing happens if it is gone."""
         ...
 
+    def size(self, id: str, digest: str) -> int:
+        """Return the bytes of an array file; 0 if it is gone."""
+        ...
+
 
 class FolderArrays:
     """Array files in a folder.
@@ -67,6 +71,13 @@ class FolderArrays:
     def remove(self, id: str, digest: str) -> None:
         """Forget an array file; nothing happens if it is gone."""
         self._path(id, digest).unlink(missing_ok=True)
+
+    def size(self, id: str, digest: str) -> int:
+        """Return the bytes of an array file; 0 if it is gone."""
+        try:
+            return self._path(id, digest).stat().st_size
+        except FileNotFoundError:
+            return 0
 
 
 def _sync_folder(folder: Path) -> None:

@@ -1,6 +1,6 @@
 """What a store offers: shelves of immutable things, each under an opaque id."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from typing import Any, Protocol, TypeVar
@@ -118,6 +118,10 @@ class Store(Protocol):
     studies: Shelf[Any]
     diagnoses: Shelf[Any]
     truths: TruthShelf
+
+    def weight(self, ids: Sequence[str], array_bytes: float) -> float:
+        """Return the bytes of things and of what they were made from, arrays by `array_bytes` fewer."""
+        ...
 
     def together(self) -> "AbstractContextManager[Store]":
         """Return a store whose additions are seen all at once when the block ends, or never."""

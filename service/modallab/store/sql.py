@@ -1,7 +1,7 @@
 """Store of objects in an SQL database and in array files."""
 
 import secrets
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from datetime import UTC, datetime
 from typing import Any, Generic, TypeVar
@@ -18,6 +18,7 @@ from modallab.store.codec import CODECS, Codec
 from modallab.store.npz import pack, unpack
 from modallab.store.plain import from_plain, to_plain
 from modallab.store.tables import LINKS, THINGS, TRUTHS
+from modallab.store.weights import weight_of
 
 T = TypeVar("T")
 Connect = Callable[[], AbstractContextManager[sa.Connection]]
@@ -184,6 +185,11 @@ class SqlStore:
 
     def _shelf(self, kind: str) -> SqlShelf[Any]:
         return SqlShelf(kind, CODECS[kind], self._connect, self._files)
+
+    def weight(self, ids: Sequence[str], array_bytes: float) -> float:
+        """Return the bytes of things and of what they were made from, arrays by `array_bytes` fewer."""
+        with self._connect() as connection:
+            return weight_of(connection, self._files, ids, array_bytes)
 
     @contextmanager
     def together(self) -> Iterator["SqlStore"]:

@@ -14,6 +14,7 @@ from modallab.api.diagnoses.replies import Adoption, DiagnosisReply, diagnosis_r
 from modallab.api.diagnoses.schemas import DiagnosisStart
 from modallab.api.examples import example
 from modallab.api.jobs import JobReply, job_reply
+from modallab.api.offloading.route import OffloadedRoute
 from modallab.api.shelves import add_routes
 from modallab.core.errors import InvalidInputError
 from modallab.core.line_options import line_mask
@@ -27,7 +28,7 @@ from modallab.jobs.tasks import DIAGNOSIS
 # The page holds all it shows: it may load nothing and run nothing.
 _STATIC = {"Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'; img-src data:"}
 
-router = APIRouter(prefix="/diagnoses", tags=["diagnoses"])
+router = APIRouter(prefix="/diagnoses", tags=["diagnoses"], route_class=OffloadedRoute)
 
 _BODY = {
     "structure_id": "5f0c31",

@@ -31,6 +31,7 @@ from modallab.api.measurements.replies import (
     measurement_reply,
 )
 from modallab.api.measurements.schemas import MeasurementStart
+from modallab.api.offloading.route import OffloadedRoute
 from modallab.api.replies import reply_of
 from modallab.api.shelves import add_routes
 from modallab.api.thinning import Points
@@ -42,7 +43,7 @@ from modallab.jobs.tasks import MEASUREMENT
 from modallab.store.base import Truth
 from modallab.store.codec import arrays_of
 
-router = APIRouter(prefix="/measurements", tags=["measurements"])
+router = APIRouter(prefix="/measurements", tags=["measurements"], route_class=OffloadedRoute)
 Decimals = Annotated[
     int,
     Query(

@@ -10,13 +10,14 @@ from modallab.api.arrays import ArraysFormatDep
 from modallab.api.deps import IdPath, JobsDep, OwnerDep, RequestKeyDep, StoreDep
 from modallab.api.examples import example
 from modallab.api.jobs import JobReply, job_reply
+from modallab.api.offloading.route import OffloadedRoute
 from modallab.api.shelves import add_routes
 from modallab.api.studies.replies import StudyReply, study_arrays, study_reply
 from modallab.api.studies.schemas import StudyStart
 from modallab.jobs.tasks import STUDY
 from modallab.rig.exact import with_effects
 
-router = APIRouter(prefix="/studies", tags=["studies"])
+router = APIRouter(prefix="/studies", tags=["studies"], route_class=OffloadedRoute)
 
 _BODY = {
     "structure_id": "5f0c31",

@@ -10,6 +10,7 @@ from modallab.api.arrays import ArraysFormatDep
 from modallab.api.deps import IdPath, JobsDep, OwnerDep, RequestKeyDep, StoreDep
 from modallab.api.examples import examples
 from modallab.api.jobs import JobReply, job_reply
+from modallab.api.offloading.route import OffloadedRoute
 from modallab.api.shelves import add_routes
 from modallab.api.updates.arrays import covariance_arrays, direct_arrays, posterior_arrays
 from modallab.api.updates.replies import UpdateReply, update_reply
@@ -21,7 +22,7 @@ from modallab.rig.exact import with_effects
 from modallab.updating.direct.result import DirectResult
 from modallab.updating.method import UpdateResult
 
-router = APIRouter(prefix="/updates", tags=["updates"])
+router = APIRouter(prefix="/updates", tags=["updates"], route_class=OffloadedRoute)
 
 _BODY = {
     "structure_id": "5f0c31",
