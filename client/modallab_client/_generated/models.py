@@ -606,6 +606,28 @@ class JobPage:
 
 
 @dataclass(frozen=True, kw_only=True)
+class LimitReply:
+    """A limit: what exceeds it is refused."""
+
+    doc: str
+    """meaning"""
+    name: str
+    """name of the limit, unique in the list"""
+    unit: str
+    """unit, or what is counted"""
+    value: float
+    """largest value allowed, in its unit"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LimitList:
+    """The limits of this service."""
+
+    items: tuple[LimitReply, ...]
+    """limits"""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Assumption:
     """One assumption about an imported test."""
 

@@ -8,7 +8,7 @@ from anyio import to_thread
 from fastapi import APIRouter, Depends, FastAPI
 
 import modallab
-from modallab.api import about, catalog, document, jobs, problems
+from modallab.api import about, catalog, document, jobs, limit_list, problems
 from modallab.api.body_limit import BodyLimit
 from modallab.api.correlations import router as correlations
 from modallab.api.diagnoses import router as diagnoses
@@ -88,7 +88,7 @@ def create_app(
     v1 = APIRouter(prefix="/v1", dependencies=[Depends(check_request)])
     for part in (structures, rigs, measurements, modal_models, correlations, updates, studies, diagnoses):
         v1.include_router(part.router)
-    for router in (jobs.router, catalog.router, about.router):
+    for router in (jobs.router, catalog.router, about.router, limit_list.router):
         v1.include_router(router)
     app.include_router(v1)
     problems.install(app)

@@ -13,10 +13,10 @@ from anyio import BrokenWorkerProcess, to_thread
 from starlette.requests import Request
 from starlette.responses import FileResponse, Response
 
-from modallab.api.offloading.worker import answer
 from modallab.api.offloading.forwarding import Answered, Forwarded, forwarded, remove, reply_of
 from modallab.api.offloading.settings import OFFLOADING
 from modallab.api.offloading.weight import is_form
+from modallab.api.offloading.worker import answer
 from modallab.api.settings import ServiceSettings
 from modallab.core.errors import InvalidInputError, ModalLabError
 from modallab.jobs.processes import WorkerProcesses
