@@ -28,7 +28,7 @@ class DurationSettings(Settings):
         derived=_MEASURED + ": 42 to 30,000 degrees of freedom",
     )
     solutions_of_diagnosis: int = setting(
-        2000, unit="solutions", doc="times that a diagnosis solves for the modes", derived=_MEASURED
+        3000, unit="solutions", doc="times that a diagnosis solves for the modes", derived=_MEASURED
     )
 
 
