@@ -14,6 +14,7 @@ from modallab.api.correlations import router as correlations
 from modallab.api.diagnoses import router as diagnoses
 from modallab.api.logs import RequestId
 from modallab.api.measurements import router as measurements
+from modallab.api.metrics import Measured, Metrics
 from modallab.api.modal_models import router as modal_models
 from modallab.api.offloading.processes import RequestProcesses
 from modallab.api.operations import Operations, check_request
@@ -93,5 +94,8 @@ def create_app(
     app.include_router(v1)
     problems.install(app)
     app.add_middleware(BodyLimit, json=settings.body_limit, upload=settings.upload_limit)
+    metrics = Metrics(settings.store_place)
+    app.add_middleware(Measured, metrics=metrics)
+    app.add_api_route("/metrics", metrics.reply, include_in_schema=False)
     app.add_middleware(RequestId)
     return app

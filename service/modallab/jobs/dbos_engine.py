@@ -116,17 +116,13 @@ class Quiet(logging.Filter):
         return not any(words in message for words in self._IGNORED_MESSAGES)
 
 
-def quieten() -> None:
-    """Send the log of DBOS the way of all others, through the root logger, without what is no error."""
+def prepare(bell: Bell) -> None:
+    """Have DBOS log as all others do, without what is no error, and look for jobs when a bell rings."""
     engine_log = logging.getLogger("dbos")
     engine_log.handlers.clear()
     engine_log.propagate = True
     if not any(isinstance(known, Quiet) for known in engine_log.filters):
         engine_log.addFilter(Quiet())
-
-
-def listen_to(bell: Bell) -> None:
-    """Have DBOS's threads look for queued jobs when they are called, and else seldom."""
     look = dbos_queue.queue_worker_thread
     if not isinstance(look, partial):
         dbos_queue.queue_worker_thread = partial(_look_when_called, look, bell)

@@ -26,8 +26,7 @@ from modallab.jobs.dbos_engine import (
     DbosEngine,
     JsonSerializer,
     connected,
-    listen_to,
-    quieten,
+    prepare,
 )
 from modallab.jobs.executors import Executor, ExecutorBook, Watch
 from modallab.jobs.outages import is_outage, patiently
@@ -36,7 +35,7 @@ from modallab.jobs.reconciler import Reconciler
 from modallab.jobs.runner import Job, JobState, RequestKey, time_limit_error
 from modallab.jobs.settings import JOB
 from modallab.jobs.wake import Bell, Caller
-from modallab.jobs.work import INTERNAL, count_shares, describe, perform, perform_share
+from modallab.jobs.work import INTERNAL, count_shares, describe, log_end, perform, perform_share
 from modallab.store.engine import make_engine
 from modallab.store.place import StorePlace, engine_of
 
@@ -140,6 +139,7 @@ async def _job(job_id: str) -> None:
         await to_thread.run_sync(patiently, _site.book.fail, job_id, INTERNAL)
     finally:
         _BELL.ring()
+    log_end(await to_thread.run_sync(patiently, _site.book.get, job_id))
 
 
 @dataclass(frozen=True)
@@ -220,8 +220,7 @@ class DurableRunner:
                 "run_migrations": self._engine.dialect.name == "sqlite",
             }
         )
-        quieten()
-        listen_to(_BELL)
+        prepare(_BELL)
         # In the thread of the server's event loop, which DBOS then uses: `to_process` ties its worker
         # processes to the loop's root task, and a loop of DBOS's own has none that lasts.
         DBOS.launch()
@@ -271,6 +270,7 @@ class DurableRunner:
         job = self._book.open(task, arguments, owner=owner, request=request)
         assert self._client is not None
         DbosEngine(self._client, self._caller).enqueue(job.id)  # an id that is queued already is queued once
+        _log.info("job queued", job=job.id, task=task)
         return job
 
     def get(self, job_id: str, *, owner: str) -> Job:

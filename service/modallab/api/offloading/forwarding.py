@@ -11,6 +11,7 @@ from starlette.background import BackgroundTask
 from starlette.requests import Request
 from starlette.responses import FileResponse, Response
 
+from modallab.api.logs import OFFLOADED
 from modallab.api.offloading.settings import OFFLOADING
 
 BODY, REPLY = "body", "reply"
@@ -46,7 +47,11 @@ async def forwarded(request: Request, folder: Path) -> Forwarded:
     own_id = str(structlog.contextvars.get_contextvars().get("request", ""))
     headers = [(name, value) for name, value in request.scope["headers"] if name != b"x-request-id"]
     scope = {name: request.scope.get(name) for name in (*_SCOPE, "client", "server")}
-    made = {"asgi": {"version": "3.0"}, "headers": [*headers, (b"x-request-id", own_id.encode())]}
+    made = {
+        "asgi": {"version": "3.0"},
+        OFFLOADED: True,
+        "headers": [*headers, (b"x-request-id", own_id.encode())],
+    }
     return Forwarded({**scope, **made}, folder)
 
 
