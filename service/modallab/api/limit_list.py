@@ -15,7 +15,7 @@ from modallab.jobs.settings import JOB
 
 router = APIRouter(tags=["service"])
 _JOB = ("max_attempts", "time_limit", "further_tests")
-_OFFLOADING = ("light", "resident_bytes", "seconds", "file_seconds", "waiting_seconds")
+_OFFLOADING = ("light", "resident_bytes", "processor_seconds", "seconds", "file_seconds", "waiting_seconds")
 _SERVICE = {
     "queue_length": "jobs",
     "job_seconds": "s",

@@ -119,8 +119,8 @@ class Store(Protocol):
     diagnoses: Shelf[Any]
     truths: TruthShelf
 
-    def weight(self, ids: Sequence[str], array_bytes: float) -> float:
-        """Return the bytes of things and of what they were made from, arrays by `array_bytes` fewer."""
+    def weight(self, ids: Sequence[str], array_bytes: float, *, origins: bool) -> float:
+        """Return the bytes of things, with `origins` of what they were made from, too; arrays count less."""
         ...
 
     def together(self) -> "AbstractContextManager[Store]":

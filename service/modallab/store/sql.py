@@ -186,10 +186,10 @@ class SqlStore:
     def _shelf(self, kind: str) -> SqlShelf[Any]:
         return SqlShelf(kind, CODECS[kind], self._connect, self._files)
 
-    def weight(self, ids: Sequence[str], array_bytes: float) -> float:
-        """Return the bytes of things and of what they were made from, arrays by `array_bytes` fewer."""
+    def weight(self, ids: Sequence[str], array_bytes: float, *, origins: bool) -> float:
+        """Return the bytes of things, with `origins` of what they were made from, too; arrays count less."""
         with self._connect() as connection:
-            return weight_of(connection, self._files, ids, array_bytes)
+            return weight_of(connection, self._files, ids, array_bytes, origins=origins)
 
     @contextmanager
     def together(self) -> Iterator["SqlStore"]:

@@ -8,19 +8,22 @@ from modallab.store.arrays import ArrayFiles
 from modallab.store.tables import LINKS, THINGS
 
 
-def weight_of(connection: sa.Connection, files: ArrayFiles, ids: Sequence[str], array_bytes: float) -> float:
-    """Return the bytes of things and of what they were made from; ids without a thing weigh nothing.
+def weight_of(
+    connection: sa.Connection, files: ArrayFiles, ids: Sequence[str], array_bytes: float, *, origins: bool
+) -> float:
+    """Return the bytes of things; ids without a thing weigh nothing.
 
     Parameters
     ----------
     array_bytes
         Bytes of arrays that count as one.
+    origins
+        Whether the things count that these were made from.
     """
-    origins = sa.select(LINKS.c.target).where(LINKS.c.source.in_(ids))
+    sources = sa.select(LINKS.c.target).where(LINKS.c.source.in_(ids))
     length = sa.func.length(sa.cast(THINGS.c.body, sa.Text))
-    query = sa.select(length, THINGS.c.id, THINGS.c.arrays_hash).where(
-        THINGS.c.id.in_(ids) | THINGS.c.id.in_(origins)
-    )
+    condition = THINGS.c.id.in_(ids) | THINGS.c.id.in_(sources) if origins else THINGS.c.id.in_(ids)
+    query = sa.select(length, THINGS.c.id, THINGS.c.arrays_hash).where(condition)
     rows = connection.execute(query).all()
     arrays = sum(files.size(id, digest) for _, id, digest in rows if digest)
     return float(sum(text for text, _, _ in rows) + arrays / array_bytes)

@@ -1,10 +1,11 @@
-"""Limits of a worker process while it answers a request: its memory, and where its files are."""
+"""Limits of a worker process while it answers a request: its memory and time, and where its files are."""
 
 import ctypes
 import os
 import sys
 import tempfile
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -14,6 +15,7 @@ import psutil
 
 from modallab.api.offloading.settings import OFFLOADING
 
+OUT_OF_TIME = "time"  # file that says why the process ended
 _MMAP_THRESHOLD = -3  # of malloc.h
 
 
@@ -28,13 +30,13 @@ def return_memory_at_once() -> None:
 
 @contextmanager
 def confined(folder: Path) -> Iterator[None]:
-    """Limit the memory of this process until the block ends, and keep its files in a folder.
+    """Limit memory and time of this process until the block ends, and keep its files in a folder.
 
     A process that exceeds the limit ends: what a compiled library held when memory ended is not freed.
     """
     former, tempfile.tempdir = tempfile.tempdir, str(folder)
     ended = threading.Event()
-    watch = threading.Thread(target=_watch, args=(ended,), name="memory", daemon=True)
+    watch = threading.Thread(target=_watch, args=(ended, folder), name="limits", daemon=True)
     try:
         with _limited_data():
             watch.start()
@@ -49,10 +51,13 @@ def die() -> NoReturn:
     os._exit(1)
 
 
-def _watch(ended: threading.Event) -> None:
-    process = psutil.Process()
+def _watch(ended: threading.Event, folder: Path) -> None:
+    process, begin = psutil.Process(), time.process_time()
     while not ended.wait(OFFLOADING.watch_interval):
         if process.memory_info().rss > OFFLOADING.resident_bytes:
+            die()
+        if time.process_time() - begin > OFFLOADING.processor_seconds:
+            (folder / OUT_OF_TIME).touch()
             die()
 
 

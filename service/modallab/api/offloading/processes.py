@@ -13,10 +13,11 @@ from anyio import BrokenWorkerProcess, to_thread
 from starlette.requests import Request
 from starlette.responses import FileResponse, Response
 
+from modallab.api.offloading.confinement import OUT_OF_TIME
 from modallab.api.offloading.forwarding import Answered, Forwarded, forwarded, remove, reply_of
 from modallab.api.offloading.settings import OFFLOADING
 from modallab.api.offloading.weight import is_form
-from modallab.api.offloading.worker import answer
+from modallab.api.offloading.worker import answer, prepare
 from modallab.api.settings import ServiceSettings
 from modallab.core.errors import InvalidInputError, ModalLabError
 from modallab.jobs.processes import WorkerProcesses
@@ -103,13 +104,16 @@ class RequestProcesses:
     async def _answered(self, request: Request, question: Forwarded) -> Answered:
         seconds = OFFLOADING.file_seconds if is_form(request) else OFFLOADING.seconds
         try:
+            with anyio.fail_after(OFFLOADING.start_seconds):
+                await self._processes.run(prepare, self._settings)
             with anyio.fail_after(seconds):
                 return await self._processes.run(answer, self._settings, question)
-        except TimeoutError:
-            raise too_costly(request, f"the reply takes longer than {seconds:g} s") from None
-        except (BrokenWorkerProcess, MemoryError) as error:
-            _log.warning("a process that answered a request died", path=request.url.path, error=repr(error))
-            raise too_costly(request, "the reply takes too much memory") from None
+        except TimeoutError:  # without as much processor time: the machine is busy
+            raise _busy(self._most) from None
+        except (BrokenWorkerProcess, MemoryError):
+            what = "time" if (question.folder / OUT_OF_TIME).exists() else "memory"
+            _log.warning("a process that answered a request ended", path=request.url.path, too_much=what)
+            raise too_costly(request, f"the reply takes too much {what}") from None
 
     async def leave(self) -> None:
         """Kill the processes that answer, and wait for their end."""

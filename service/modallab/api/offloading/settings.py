@@ -42,6 +42,15 @@ class OffloadingSettings(Settings):
         doc="data memory, resident or not, of a process that answers",
         derived="a factorisation asks for three times what it fills",
     )
+    processor_seconds: float = setting(
+        6.0,
+        unit="s",
+        doc="processor time of a request, that of the reader of its file not counted",
+        derived="beside `seconds`, which pass on a busy machine, too: those are no fault of the request",
+    )
+    start_seconds: float = setting(
+        30.0, unit="s", doc="time for the start of a process", derived="2 s, more on a busy machine"
+    )
     seconds: float = setting(
         8.0,
         unit="s",

@@ -4,6 +4,7 @@ import json
 import math
 from collections.abc import Iterator
 from contextlib import suppress
+from functools import partial
 from typing import Any
 
 from anyio import to_thread
@@ -33,8 +34,20 @@ async def weight_of(request: Request, store: Store) -> float:
         body = json.loads(await request.body() or "null")
     fields = body if isinstance(body, dict) else {}
     ids = {*_ids(request.path_params), *_ids(request.query_params), *_ids(fields)}
-    stored = await to_thread.run_sync(store.weight, sorted(ids), OFFLOADING.array_bytes) if ids else 0
-    return int(announced) + OFFLOADING.element_bytes * _n_elements(fields) + stored
+    described = int(announced) + OFFLOADING.element_bytes * _n_elements(fields)
+    if not ids or _is_stored_file(request):
+        return described
+    # What is stored of a thing is told without a look at what it was made from.
+    origins = not request.url.path.endswith(str(request.path_params.get("id", "/")))
+    weigh = partial(store.weight, sorted(ids), OFFLOADING.array_bytes, origins=origins)
+    return described + await to_thread.run_sync(weigh)
+
+
+def _is_stored_file(request: Request) -> bool:
+    """Return whether arrays are asked for as they lie in the store."""
+    wants_json = "json" in request.headers.get("accept", "")
+    path = f"/{request.path_params.get('id')}/arrays"
+    return request.url.path.endswith(path) and not request.url.query and not wants_json
 
 
 def _ids(values: Any) -> Iterator[str]:

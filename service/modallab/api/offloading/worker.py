@@ -30,6 +30,11 @@ def _application(settings: ServiceSettings) -> ASGIApp:
     return app
 
 
+def prepare(settings: ServiceSettings) -> None:
+    """Load the application, which takes a second; nothing happens the next time."""
+    _application(settings)
+
+
 def answer(settings: ServiceSettings, request: Forwarded) -> Answered:
     """Return the reply to a request, its body written into the folder of the request.
 

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from modallab.api.offloading import processes, route
+from modallab.api.offloading import confinement, processes, route
 from modallab.api.offloading.processes import RequestProcesses
 from modallab.api.offloading.settings import OFFLOADING
+from modallab.api.offloading.worker import answer
 
 STEEL = {"modulus": 2.09e11, "density": 7800.0}
 PLATE = {"kind": "plate", "length": 0.6, "width": 0.4, "thickness": 0.004, "material": STEEL}
@@ -131,15 +132,43 @@ def test_who_finds_no_process_free_comes_again(
     assert int(reply.headers["retry-after"]) >= 1
 
 
-def test_what_takes_too_long_is_refused_and_the_next_is_answered(
+def test_who_waits_too_long_on_a_busy_machine_comes_again(
     offloading: Any, plate: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with monkeypatch.context() as patch:
         patch.setattr(processes, "OFFLOADING", replace(OFFLOADING, seconds=0.01))
         reply = offloading.request("GET", f"/v1/structures/{plate}/modes")
+    assert (reply.status_code, reply.json()["code"]) == (503, "busy")
+    assert offloading.request("GET", f"/v1/structures/{plate}/modes").status_code == 200
+
+
+@pytest.mark.parametrize("limit", ["time", "memory"])
+def test_what_takes_too_much_is_refused(
+    offloading: Any, plate: str, monkeypatch: pytest.MonkeyPatch, limit: str
+) -> None:
+    run = offloading.app.state.processes._processes.run
+
+    async def run_and_end(work: Any, *given: Any) -> Any:
+        if work is not answer:
+            return await run(work, *given)
+        if limit == "time":
+            (given[1].folder / confinement.OUT_OF_TIME).touch()
+        return await run(confinement.die)
+
+    monkeypatch.setattr(offloading.app.state.processes._processes, "run", run_and_end)
+    reply = offloading.request("GET", f"/v1/structures/{plate}/modes")
     assert (reply.status_code, reply.json()["code"]) == (422, "too_costly")
     assert reply.json()["context"]["field"] == "id"
-    assert offloading.request("GET", f"/v1/structures/{plate}/modes").status_code == 200
+    assert limit in reply.json()["detail"]
+
+
+def test_stored_arrays_are_sent_by_this_process(offloading: Any, plate: str, counted: Counted) -> None:
+    synthetic = {"count": 3, "dofs": ["20:+Z", "100:+Z", "150:+Z"]}
+    modes = offloading.post(f"/v1/structures/{plate}/synthetic-modes", synthetic)["id"]
+    assert counted.n == 1
+    assert offloading.request("GET", f"/v1/modal-models/{modes}/arrays").status_code == 200
+    assert offloading.request("GET", f"/v1/modal-models/{modes}").status_code == 200
+    assert counted.n == 1
 
 
 def test_every_route_about_stored_things_weighs_its_requests(service: Any) -> None:
