@@ -11,6 +11,7 @@ from typing import Annotated, Any
 
 import typer
 
+from modallab.api.backup_command import backup, restore
 from modallab.api.convert_command import convert
 from modallab.api.flags import request_of, with_flags
 from modallab.diagnosis.options import DiagnosisOptions
@@ -56,13 +57,9 @@ def _settings(**overrides: Any) -> Any:
 
 def _lock(folder: Path) -> sqlite3.Connection:
     """Return the lock of a data folder; this process holds it until it ends."""
-    folder.mkdir(parents=True, exist_ok=True)
-    lock = sqlite3.connect(folder / "lock", isolation_level=None, timeout=0)
-    try:
-        lock.execute("BEGIN EXCLUSIVE")
-    except sqlite3.OperationalError:
-        raise typer.BadParameter(f"another service works in {folder}", param_hint="--data") from None
-    return lock
+    from modallab.api.starting import lock_of
+
+    return lock_of(folder)
 
 
 def _need_postgresql(settings: Any) -> None:
@@ -71,8 +68,9 @@ def _need_postgresql(settings: Any) -> None:
 
 
 def _prepare(settings: Any) -> None:
-    settings.store_place.prepare()
-    settings.job_place.prepare()
+    from modallab.api.starting import prepare
+
+    prepare(settings)
 
 
 @app.command()
@@ -204,6 +202,8 @@ class _ProgressLine:
 
 
 app.command()(convert)
+app.command()(backup)
+app.command()(restore)
 
 
 @app.command()
