@@ -165,6 +165,7 @@ BY_CODE: dict[str, type[ClientError]] = {
     "key_reused": ConflictError,
     "too_large": TooLargeError,
     "content_too_large": TooLargeError,
+    "too_costly": TooLargeError,
     "busy": BusyError,
     "queue_full": BusyError,
     "service_unavailable": BusyError,

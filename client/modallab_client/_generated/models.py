@@ -90,120 +90,15 @@ class CatalogueEntry:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Class:
-    """A class of students."""
-
-    created: str
-    """ISO 8601, UTC."""
-    expires: str | None
-    """ISO 8601, UTC, when the keys of its members expire; null: never."""
-    id: str
-    """Id of the class."""
-    name: str
-    """Name of the class."""
-    owner: str
-    """Id of the key of its instructor."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Classes:
-    """All classes."""
-
-    items: tuple[Class, ...]
-    """Classes, newest first."""
-
-
-Role = Literal["admin", "instructor", "student", "service"]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Key:
-    """An API key, without its secret."""
-
-    class_id: str | None
-    """Class that the holder is a member of; null: of no class."""
-    created: str
-    """ISO 8601, UTC."""
-    expires: str | None
-    """ISO 8601, UTC, first moment at which it does not count; null: it never expires."""
-    id: str
-    """Id of the key, and owner of what is made with it."""
-    name: str
-    """Name of the person or program that holds it."""
-    revoked: str | None
-    """ISO 8601, UTC; null: it has not been revoked."""
-    role: Role
-    """What the holder may do."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Roll:
-    """A class of students."""
-
-    created: str
-    """ISO 8601, UTC."""
-    expires: str | None
-    """ISO 8601, UTC, when the keys of its members expire; null: never."""
-    id: str
-    """Id of the class."""
-    members: tuple[Key, ...]
-    """Keys of the members, newest first."""
-    name: str
-    """Name of the class."""
-    owner: str
-    """Id of the key of its instructor."""
-    shares: tuple[str, ...]
-    """Ids of what is shared with the class."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class NewKey:
-    """An API key, without its secret."""
-
-    class_id: str | None
-    """Class that the holder is a member of; null: of no class."""
-    created: str
-    """ISO 8601, UTC."""
-    expires: str | None
-    """ISO 8601, UTC, first moment at which it does not count; null: it never expires."""
-    id: str
-    """Id of the key, and owner of what is made with it."""
-    key: str
-    """The key itself, told this once."""
-    name: str
-    """Name of the person or program that holds it."""
-    revoked: str | None
-    """ISO 8601, UTC; null: it has not been revoked."""
-    role: Role
-    """What the holder may do."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class NewMembers:
-    """Keys of new members."""
-
-    members: tuple[NewKey, ...]
-    """Keys in the order of the names."""
-
-
-@dataclass(frozen=True, kw_only=True)
 class StoredEntry:
     """Identity and origin of a stored object."""
 
-    comment: str
-    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     id: str
     """id of the stored object"""
-    labels: tuple[str, ...]
-    """labels by which its owner finds it"""
     made_from: Mapping[str, str] = field(hash=False)
     """ids of the objects it was made from, by role"""
-    name: str
-    """name, as its owner wrote it; a structure's own until then"""
-    owner: str
-    """id of the key that it was made with; `local`: made without keys"""
     seed: int | None
     """seed of its random numbers; null where there are none"""
     version: str
@@ -264,8 +159,6 @@ class Correlation(CorrelationMethods):
 
     comac: FloatArray
     """(n_common,) coordinate modal assurance criterion (CoMAC) over the pairs, 0 to 1."""
-    comment: str
-    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     dofs: tuple[str, ...]
@@ -276,18 +169,12 @@ class Correlation(CorrelationMethods):
     """Hz, (n_pairs,) measured minus model frequency."""
     id: str
     """id of the stored object"""
-    labels: tuple[str, ...]
-    """labels by which its owner finds it"""
     mac: FloatArray
     """(n_measured, n_model) modal assurance criterion (MAC), 0 to 1."""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
-    name: str
-    """name, as its owner wrote it; a structure's own until then"""
     orthogonality: Orthogonality | None
     """Orthogonality in the reduced mass matrix, where a reduction was requested."""
-    owner: str
-    """id of the key that it was made with; `local`: made without keys"""
     pairs: tuple[tuple[int, int], ...]
     """Paired modes (measured, model), counted from 1."""
     pole_weighted_mac: FloatArray | None
@@ -319,8 +206,6 @@ class JobStatus(JobStatusMethods):
     """Id of the job."""
     message: str
     """Step under way."""
-    owner: str
-    """Owner of the job and of its result."""
     place: int | None
     """1, place in the queue, 1 for the next; null: the job does not wait."""
     result_id: str | None
@@ -640,8 +525,6 @@ class Diagnosis(DiagnosisMethods):
 
     candidates: tuple[Rival, ...]
     """All effects fitted in the first round, best first."""
-    comment: str
-    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     detection_limits: tuple[DetectionLimit, ...]
@@ -652,20 +535,14 @@ class Diagnosis(DiagnosisMethods):
     """Gap of each part (FRFs, force spectra, response spectra) under `before` and `after`."""
     id: str
     """id of the stored object"""
-    labels: tuple[str, ...]
-    """labels by which its owner finds it"""
     located: Localisation
     """Location of the disagreement without added effects."""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
-    name: str
-    """name, as its owner wrote it; a structure's own until then"""
     next_test: NextTest | None
     """Proposed further test; null: no rival is left."""
     notes: tuple[str, ...]
     """Limitations of this diagnosis, in plain English."""
-    owner: str
-    """id of the key that it was made with; `local`: made without keys"""
     remaining_gap: float | None
     """Gap (mean squared residual) over all usable FRFs with all added effects; 1: random error alone."""
     remaining_scatter: float | None
@@ -729,13 +606,25 @@ class JobPage:
 
 
 @dataclass(frozen=True, kw_only=True)
-class KeyPage:
-    """Page of a list of keys."""
+class LimitReply:
+    """A limit: what exceeds it is refused."""
 
-    items: tuple[Key, ...]
-    """Keys, newest first."""
-    next: str | None
-    """Value of `after` for the next page; null at the end."""
+    doc: str
+    """meaning"""
+    name: str
+    """name of the limit, unique in the list"""
+    unit: str
+    """unit, or what is counted"""
+    value: float
+    """largest value allowed, in its unit"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LimitList:
+    """The limits of this service."""
+
+    items: tuple[LimitReply, ...]
+    """limits"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -987,8 +876,6 @@ class Measurement(MeasurementMethods):
     """1, effective number of independent averages."""
     averages_error: float | None
     """1, standard error of averages that are estimated; null: they are declared."""
-    comment: str
-    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     frequency_max: float
@@ -1001,24 +888,18 @@ class Measurement(MeasurementMethods):
     """Force DoFs."""
     kind: FrfKind
     """Kind of the FRFs: receptance, mobility or inertance."""
-    labels: tuple[str, ...]
-    """labels by which its owner finds it"""
     libraries: Mapping[str, str]
     """Versions of the numerical libraries, by name."""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
     n_lines: int
     """Number of frequency lines."""
-    name: str
-    """name, as its owner wrote it; a structure's own until then"""
     noise_floor: float | None
     """1, relative error of the FRFs as their owner states it, at or above the median."""
     notes: tuple[str, ...]
     """Remarks on systematic changes of the FRFs."""
     outputs: tuple[str, ...]
     """Response DoFs."""
-    owner: str
-    """id of the key that it was made with; `local`: made without keys"""
     rig: RigSetup
     """Rig as declared."""
     rig_id: str
@@ -1083,26 +964,18 @@ class MeasurementLog:
     """1, effective number of independent averages."""
     averages_error: float | None
     """1, standard error of averages that are estimated; null: they are declared."""
-    comment: str
-    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     id: str
     """id of the stored object"""
-    labels: tuple[str, ...]
-    """labels by which its owner finds it"""
     libraries: Mapping[str, str] = field(hash=False)
     """Versions of the numerical libraries, by name."""
     made_from: Mapping[str, str] = field(hash=False)
     """ids of the objects it was made from, by role"""
-    name: str
-    """name, as its owner wrote it; a structure's own until then"""
     noise_floor: float | None
     """1, relative error of the FRFs as their owner states it, at or above the median."""
     notes: tuple[str, ...]
     """Remarks on systematic changes of the FRFs."""
-    owner: str
-    """id of the key that it was made with; `local`: made without keys"""
     rig: Mapping[str, Any] = field(hash=False)
     """Body of `POST /v1/rigs` that declares the same rig."""
     rig_id: str
@@ -1252,8 +1125,6 @@ class ModalModel(ModalModelMethods):
 
     choices: Mapping[str, str]
     """Value of each option in words, and the reason for it."""
-    comment: str
-    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     dofs: tuple[str, ...]
@@ -1272,8 +1143,6 @@ class ModalModel(ModalModelMethods):
     """Names of the FRFs in the order of the arrays: a DoF, of several references `5:+Y / 1:+Y`."""
     id: str
     """id of the stored object"""
-    labels: tuple[str, ...]
-    """labels by which its owner finds it"""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
     main_flags: tuple[str, ...]
@@ -1284,16 +1153,12 @@ class ModalModel(ModalModelMethods):
     """Extraction method, or `synthetic`."""
     modes: tuple[Mode, ...]
     """Modes in rising natural frequency; `/arrays` has their shapes."""
-    name: str
-    """name, as its owner wrote it; a structure's own until then"""
     normalisation: Literal["mass", "none"]
     """`mass`: shapes are mass-normalised; `none`: their scale is arbitrary."""
     notes: tuple[str, ...]
     """Remarks on the extraction, in sentences; of more than three that differ in numbers only the first, and with `?details=notes` all."""
     options: Mapping[str, int | float | str | None]
     """Options of the extraction method as asked for; null was left to the method."""
-    owner: str
-    """id of the key that it was made with; `local`: made without keys"""
     ranges: tuple[tuple[float, float], ...]
     """Hz, first and last line of each range that the modes were extracted from."""
     references: tuple[str, ...]
@@ -1421,8 +1286,6 @@ class Rig:
     """Response transducers."""
     analyser: Analyser
     """Analyser settings."""
-    comment: str
-    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     drive: str
@@ -1437,16 +1300,10 @@ class Rig:
     """Force transducer at the drive point."""
     id: str
     """id of the stored object"""
-    labels: tuple[str, ...]
-    """labels by which its owner finds it"""
     made_from: Mapping[str, str] = field(hash=False)
     """ids of the objects it was made from, by role"""
-    name: str
-    """name, as its owner wrote it; a structure's own until then"""
     noise: Noise
     """White noise of the channels."""
-    owner: str
-    """id of the key that it was made with; `local`: made without keys"""
     responses: tuple[str, ...]
     """Response DoFs."""
     seed: int | None
@@ -1489,16 +1346,12 @@ class RigChecks:
 class Structure:
     """Size of a stored structure, and its groups of members."""
 
-    comment: str
-    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     groups: Mapping[str, tuple[int, ...]] = field(hash=False)
     """Numbers of members, by the name under which they may be updated."""
     id: str
     """id of the stored object"""
-    labels: tuple[str, ...]
-    """labels by which its owner finds it"""
     made_from: Mapping[str, str] = field(hash=False)
     """ids of the objects it was made from, by role"""
     members: int
@@ -1508,9 +1361,7 @@ class Structure:
     n_nodes: int
     """Number of nodes."""
     name: str
-    """name, as its owner wrote it; a structure's own until then"""
-    owner: str
-    """id of the key that it was made with; `local`: made without keys"""
+    """Name of the structure."""
     seed: int | None
     """seed of its random numbers; null where there are none"""
     version: str
@@ -1523,8 +1374,6 @@ class ExpandedModalModel:
 
     choices: Mapping[str, str] = field(hash=False)
     """Value of each option in words, and the reason for it."""
-    comment: str
-    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     dofs: tuple[str, ...]
@@ -1545,8 +1394,6 @@ class ExpandedModalModel:
     """Names of the FRFs in the order of the arrays: a DoF, of several references `5:+Y / 1:+Y`."""
     id: str
     """id of the stored object"""
-    labels: tuple[str, ...]
-    """labels by which its owner finds it"""
     made_from: Mapping[str, str] = field(hash=False)
     """ids of the objects it was made from, by role"""
     main_flags: tuple[str, ...]
@@ -1557,16 +1404,12 @@ class ExpandedModalModel:
     """Extraction method, or `synthetic`."""
     modes: tuple[Mode, ...]
     """Modes in rising natural frequency; `/arrays` has their shapes."""
-    name: str
-    """name, as its owner wrote it; a structure's own until then"""
     normalisation: Literal["mass", "none"]
     """`mass`: shapes are mass-normalised; `none`: their scale is arbitrary."""
     notes: tuple[str, ...]
     """Remarks on the extraction, in sentences; of more than three that differ in numbers only the first, and with `?details=notes` all."""
     options: Mapping[str, int | float | str | None] = field(hash=False)
     """Options of the extraction method as asked for; null was left to the method."""
-    owner: str
-    """id of the key that it was made with; `local`: made without keys"""
     ranges: tuple[tuple[float, float], ...]
     """Hz, first and last line of each range that the modes were extracted from."""
     rayleigh_frequencies: tuple[float, ...]
@@ -1585,26 +1428,18 @@ class ExpandedModalModel:
 class StructureModes(StructureModesMethods):
     """Elastic modes of a structure, ascending in frequency."""
 
-    comment: str
-    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     frequencies: FloatArray
     """Hz, (n_modes,) natural frequencies."""
     id: str
     """id of the stored object"""
-    labels: tuple[str, ...]
-    """labels by which its owner finds it"""
     loss_factors: FloatArray
     """(n_modes,) loss factors."""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
     n_rigid_body: int
     """Number of rigid-body modes, which are not listed."""
-    name: str
-    """name, as its owner wrote it; a structure's own until then"""
-    owner: str
-    """id of the key that it was made with; `local`: made without keys"""
     seed: int | None
     """seed of its random numbers; null where there are none"""
     version: str
@@ -1770,20 +1605,12 @@ class Study(StudyMethods):
 
     cells: tuple[StudyCell, ...]
     """Statistics by level, then division."""
-    comment: str
-    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     id: str
     """id of the stored object"""
-    labels: tuple[str, ...]
-    """labels by which its owner finds it"""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
-    name: str
-    """name, as its owner wrote it; a structure's own until then"""
-    owner: str
-    """id of the key that it was made with; `local`: made without keys"""
     plan: StudyPlan
     """Plan of the study."""
     runs: tuple[StudyUpdate, ...]
@@ -1916,8 +1743,6 @@ class IterativeUpdate(IterativeUpdateMethods):
 
     coefficients: Mapping[str, Mapping[int, float]]
     """Coefficients by part and member."""
-    comment: str
-    """what its owner remarks on it"""
     condition_number: float | None
     """Largest over smallest singular value within the rank."""
     converged: bool
@@ -1938,16 +1763,10 @@ class IterativeUpdate(IterativeUpdateMethods):
     """Number of steps by stage, `location` and `updating`."""
     kind: Literal["iterative"]
     """Update on modes: coefficients are corrected by iteration."""
-    labels: tuple[str, ...]
-    """labels by which its owner finds it"""
     mac: Mapping[str, FloatArray]
     """MAC of paired modes (n_modes,): `before`, `location`, `after`."""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
-    name: str
-    """name, as its owner wrote it; a structure's own until then"""
-    owner: str
-    """id of the key that it was made with; `local`: made without keys"""
     posterior: PosteriorSample | None
     """Draws from the posterior; null where none were asked for."""
     quantities: tuple[Quantity, ...]
@@ -2004,8 +1823,6 @@ class ResponseBasedUpdate(ResponseBasedUpdateMethods):
 
     coefficients: Mapping[str, Mapping[int, float]]
     """Coefficients by part and member."""
-    comment: str
-    """what its owner remarks on it"""
     condition_number: float | None
     """Largest over smallest singular value within the rank."""
     converged: bool
@@ -2026,14 +1843,8 @@ class ResponseBasedUpdate(ResponseBasedUpdateMethods):
     """Number of steps by stage, `location` and `updating`."""
     kind: Literal["response_based"]
     """Update on FRFs: coefficients are corrected by iteration."""
-    labels: tuple[str, ...]
-    """labels by which its owner finds it"""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
-    name: str
-    """name, as its owner wrote it; a structure's own until then"""
-    owner: str
-    """id of the key that it was made with; `local`: made without keys"""
     posterior: PosteriorSample | None
     """Draws from the posterior; null where none were asked for."""
     quantities: tuple[Quantity, ...]
@@ -2086,8 +1897,6 @@ class DirectUpdate(DirectUpdateMethods):
 
     coefficients: Mapping[str, Mapping[int, float]]
     """By part and member, 1 = no change; of methods that keep the members."""
-    comment: str
-    """what its owner remarks on it"""
     completion: str
     """How model and shapes came to the same degrees of freedom, for readers."""
     connectivity_loss: Mapping[str, float]
@@ -2106,8 +1915,6 @@ class DirectUpdate(DirectUpdateMethods):
     """id of the stored object"""
     kind: Literal["direct"]
     """Direct method: matrices are corrected, or their errors located, in one step."""
-    labels: tuple[str, ...]
-    """labels by which its owner finds it"""
     mac: Mapping[str, FloatArray]
     """MAC with the nearest modes: `before` and, of a correction, `after`."""
     made_from: Mapping[str, str]
@@ -2116,14 +1923,10 @@ class DirectUpdate(DirectUpdateMethods):
     """Name of the method."""
     n_modes: int
     """Number of measured modes that the method used, the first of `frequencies`."""
-    name: str
-    """name, as its owner wrote it; a structure's own until then"""
     notes: tuple[str, ...]
     """Remarks for readers."""
     other_modes: OtherModes | None
     """Modes of the model without a used measured mode; null without a correction."""
-    owner: str
-    """id of the key that it was made with; `local`: made without keys"""
     reproduced: float | None
     """Largest relative error of a used frequency, or of 1 - MAC; null without a correction."""
     seed: int | None
@@ -2140,8 +1943,6 @@ class ErrorLocation(ErrorLocationMethods):
 
     changes: Mapping[str, Mapping[int, float]]
     """First-order change of each coefficient, by part and member."""
-    comment: str
-    """what its owner remarks on it"""
     condition_number: float | None
     """Largest over smallest singular value within the rank."""
     created: str
@@ -2152,18 +1953,12 @@ class ErrorLocation(ErrorLocationMethods):
     """id of the stored object"""
     kind: Literal["error_location"]
     """Error location in one linear step: the model stays as it is."""
-    labels: tuple[str, ...]
-    """labels by which its owner finds it"""
     mac: Mapping[str, FloatArray]
     """MAC of the paired modes (n_modes,): `before`."""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
     method: str
     """Name of the method."""
-    name: str
-    """name, as its owner wrote it; a structure's own until then"""
-    owner: str
-    """id of the key that it was made with; `local`: made without keys"""
     rank: int
     """Rank of the balanced sensitivity matrix."""
     remaining: FloatArray

@@ -40,6 +40,10 @@ async def _teacher(caller: CallerDep) -> None:
     _check(caller, (Role.ADMIN, Role.INSTRUCTOR))
 
 
+async def _operator(caller: CallerDep) -> None:
+    _check(caller, (Role.ADMIN, Role.SERVICE))
+
+
 def _check(caller: Caller, roles: tuple[Role, ...]) -> None:
     """Raise unless the caller has one of the roles; without keys everybody has all of them."""
     if caller is _UNKNOWN:
@@ -50,6 +54,7 @@ def _check(caller: Caller, roles: tuple[Role, ...]) -> None:
 
 
 PERSONS: Any = Depends(_person)
+OPERATORS: Any = Depends(_operator)
 TEACHERS: Any = Depends(_teacher)
 
 

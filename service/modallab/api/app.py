@@ -8,15 +8,17 @@ from anyio import to_thread
 from fastapi import APIRouter, Depends, FastAPI
 
 import modallab
-from modallab.api import about, catalog, classes, document, jobs, keys, problems, sessions
-from modallab.api.access import PERSONS
+from modallab.api import about, catalog, classes, document, jobs, keys, limit_list, problems, sessions
+from modallab.api.access import OPERATORS, PERSONS
 from modallab.api.body_limit import BodyLimit
 from modallab.api.correlations import router as correlations
 from modallab.api.diagnoses import router as diagnoses
 from modallab.api.gate import Gate
 from modallab.api.logs import RequestId
 from modallab.api.measurements import router as measurements
+from modallab.api.metrics import Measured, Metrics
 from modallab.api.modal_models import router as modal_models
+from modallab.api.offloading.processes import RequestProcesses
 from modallab.api.operations import Operations, check_request
 from modallab.api.rigs import router as rigs
 from modallab.api.settings import ServiceSettings
@@ -58,13 +60,17 @@ def durable_runner(settings: ServiceSettings) -> DurableRunner:
     )
 
 
-def create_app(settings: ServiceSettings, runner: JobRunner | None = None) -> FastAPI:
+def create_app(
+    settings: ServiceSettings, runner: JobRunner | None = None, processes: RequestProcesses | None = None
+) -> FastAPI:
     """Return the application, its database prepared by `modallab.api.cli` or `modallab init`.
 
     Parameters
     ----------
     runner
         What runs the jobs; by default the durable one.
+    processes
+        What answers heavy requests; None: a thread of this process, as for all others.
     """
     chosen = durable_runner(settings) if runner is None else runner
 
@@ -73,6 +79,8 @@ def create_app(settings: ServiceSettings, runner: JobRunner | None = None) -> Fa
         await to_thread.run_sync(app.openapi)  # no request waits for the document that it is checked with
         async with chosen:
             yield
+            if processes is not None:
+                await processes.leave()
 
     app = Lab(
         title="modallab",
@@ -80,6 +88,7 @@ def create_app(settings: ServiceSettings, runner: JobRunner | None = None) -> Fa
         lifespan=lifespan,
         generate_unique_id_function=document.operation_id,
     )
+    app.state.processes = processes
     app.state.operations = Operations(app.openapi)
     app.state.settings, app.state.store, app.state.jobs = settings, open_store(settings.store_place), chosen
     app.state.keys = KeyBook(engine_of(settings.store_place))
@@ -89,6 +98,9 @@ def create_app(settings: ServiceSettings, runner: JobRunner | None = None) -> Fa
     problems.install(app)
     app.add_middleware(Gate, engine=engine_of(settings.store_place), allowed_hosts=settings.host_names)
     app.add_middleware(BodyLimit, json=settings.body_limit, upload=settings.upload_limit)
+    metrics = Metrics(settings.store_place)
+    app.add_middleware(Measured, metrics=metrics)
+    app.add_api_route("/metrics", metrics.reply, include_in_schema=False, dependencies=[OPERATORS])
     app.add_middleware(RequestId)
     return app
 
@@ -99,6 +111,6 @@ def _routes() -> APIRouter:
         v1.include_router(part.router, dependencies=[PERSONS])
     for router in (jobs.router, catalog.router):
         v1.include_router(router, dependencies=[PERSONS])
-    for router in (keys.router, classes.router, sessions.router, about.router):
+    for router in (keys.router, classes.router, sessions.router, about.router, limit_list.router):
         v1.include_router(router)
     return v1

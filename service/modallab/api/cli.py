@@ -11,6 +11,7 @@ from typing import Annotated, Any
 
 import typer
 
+from modallab.api.backup_command import backup, restore
 from modallab.api.convert_command import convert
 from modallab.api.flags import request_of, with_flags
 from modallab.api.keys_command import app as keys_app
@@ -54,13 +55,9 @@ def _settings(**overrides: Any) -> Any:
 
 def _lock(folder: Path) -> sqlite3.Connection:
     """Return the lock of a data folder; this process holds it until it ends."""
-    folder.mkdir(parents=True, exist_ok=True)
-    lock = sqlite3.connect(folder / "lock", isolation_level=None, timeout=0)
-    try:
-        lock.execute("BEGIN EXCLUSIVE")
-    except sqlite3.OperationalError:
-        raise typer.BadParameter(f"another service works in {folder}", param_hint="--data") from None
-    return lock
+    from modallab.api.starting import lock_of
+
+    return lock_of(folder)
 
 
 def _need_postgresql(settings: Any) -> None:
@@ -69,8 +66,9 @@ def _need_postgresql(settings: Any) -> None:
 
 
 def _prepare(settings: Any) -> None:
-    settings.store_place.prepare()
-    settings.job_place.prepare()
+    from modallab.api.starting import prepare
+
+    prepare(settings)
 
 
 def _need_keys(settings: Any) -> None:
@@ -104,6 +102,7 @@ def serve(
 
     from modallab.api import logs
     from modallab.api.app import create_app
+    from modallab.api.offloading.processes import RequestProcesses
 
     logs.configure()
     lock = _lock(settings.data) if settings.embedded else None
@@ -111,7 +110,7 @@ def serve(
         _prepare(settings)
     _need_keys(settings)
     uvicorn.run(
-        create_app(settings),
+        create_app(settings, processes=RequestProcesses(settings)),
         host=settings.host,
         port=settings.port,
         log_config=None,
@@ -218,6 +217,8 @@ class _ProgressLine:
 
 app.command()(convert)
 app.add_typer(keys_app, name="keys")
+app.command()(backup)
+app.command()(restore)
 
 
 @app.command()

@@ -3,13 +3,13 @@
 from datetime import datetime
 from typing import Any
 
-from fastapi.routing import APIRoute
 from starlette.datastructures import Headers
 from starlette.responses import Response
 from starlette.routing import Match
 from starlette.types import Scope
 
 from modallab.api.media import CSV_TYPE
+from modallab.api.offloading.route import OffloadedRoute
 from modallab.interchange.uff_text import Origin
 from modallab.store.base import Entry
 
@@ -74,7 +74,7 @@ def origin(entry: Entry, content: str) -> Origin:
     return Origin(entry.id, content, entry.version, datetime.fromisoformat(entry.created))
 
 
-class FormRoute(APIRoute):
+class FormRoute(OffloadedRoute):
     """Takes forms only, so that the same path may take JSON in another route, declared after it."""
 
     media_type = "multipart/form-data"

@@ -3,17 +3,21 @@
 import logging
 import re
 import secrets
+import time
+from typing import TextIO
 
 import structlog
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+OFFLOADED = "modallab.offloaded"  # in the scope of a request that another process handed over
 _HEADER = "X-Request-Id"
+_log = structlog.get_logger()
 _SOUND = re.compile(r"[A-Za-z0-9._-]{1,64}")
 
 
-def configure() -> None:
-    """Send structlog and the standard library's loggers to standard error, as JSON."""
+def configure(stream: TextIO | None = None) -> None:
+    """Send structlog and the standard library's loggers to a stream, by default standard error, as JSON."""
     processors: list[structlog.typing.Processor] = [
         structlog.contextvars.merge_contextvars,
         structlog.processors.add_log_level,
@@ -32,7 +36,7 @@ def configure() -> None:
             structlog.processors.JSONRenderer(),
         ],
     )
-    handler = logging.StreamHandler()
+    handler = logging.StreamHandler(stream)
     handler.setFormatter(formatter)
     logging.basicConfig(handlers=[handler], level=logging.INFO, force=True)
     for talkative in ("alembic", "dbos"):
@@ -40,7 +44,7 @@ def configure() -> None:
 
 
 class RequestId:
-    """Gives every request an id, its own or ours, and says it in the reply."""
+    """Gives every request an id, its own or ours, says it in the reply, and logs the request."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
@@ -52,11 +56,21 @@ class RequestId:
             return
         header = Headers(scope=scope).get(_HEADER, "")
         request_id = header if _SOUND.fullmatch(header) else secrets.token_hex(8)
+        begin, status = time.monotonic(), 500
 
         async def send_with_id(message: Message) -> None:
+            nonlocal status
             if message["type"] == "http.response.start":
+                status = message["status"]
                 MutableHeaders(scope=message)[_HEADER] = request_id
             await send(message)
 
         with structlog.contextvars.bound_contextvars(request=request_id):
-            await self._app(scope, receive, send_with_id)
+            try:
+                await self._app(scope, receive, send_with_id)
+            finally:
+                if OFFLOADED not in scope:  # whoever offloaded the request says so itself
+                    seconds = round(time.monotonic() - begin, 4)
+                    _log.info(
+                        "request", method=scope["method"], path=scope["path"], status=status, seconds=seconds
+                    )

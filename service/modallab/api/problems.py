@@ -17,6 +17,7 @@ from starlette.responses import JSONResponse
 
 from modallab.api.faults import Fault, faults
 from modallab.api.limits import JOB_STREAM, READINESS, REPLY
+from modallab.api.offloading.processes import BusyError, too_costly
 from modallab.api.operations import Operations
 from modallab.core import errors
 from modallab.jobs.outages import is_outage
@@ -37,6 +38,7 @@ STATUS: Mapping[type[errors.ModalLabError], int] = {
     KeyReusedError: 409,
     NotReadyError: 503,
     QueueFullError: 503,
+    BusyError: 503,
     StoredDataError: 500,
     UnauthorisedError: 401,
 }
@@ -50,6 +52,7 @@ CODES: Mapping[int, str] = {
 }
 TITLES: Mapping[str, str] = {
     "bad_request": "The request cannot be read",
+    "busy": "The service answers as many heavy requests as it may",
     "cancelled": "The job was cancelled",
     "content_too_large": "The body is too large",
     "diverged": "The iteration diverged",
@@ -70,6 +73,7 @@ TITLES: Mapping[str, str] = {
     "service_unavailable": "Database or disk are away",
     "stored_data": "Stored data are damaged",
     "structure": "The structure cannot be analysed",
+    "too_costly": "The reply takes more memory or time than one may",
     "time_limit": "The job took too long",
     "unauthorized": "A valid key is needed",
     "underdetermined": "There are fewer equations than unknowns",
@@ -208,6 +212,10 @@ def _of_fault(request: Request, error: Exception) -> JSONResponse:
     return response(document(500, INTERNAL["code"], "the service failed; its log says why", {}))
 
 
+def _of_memory(request: Request, _error: Exception) -> JSONResponse:
+    return _of_domain(request, too_costly(request, "the reply takes too much memory"))
+
+
 class _Seldom:
     """Says a thing at most once a minute."""
 
@@ -245,4 +253,5 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(HTTPException, _of_http)
     for cls in (DBAPIError, PoolTimeout, OSError):
         app.add_exception_handler(cls, _of_storage)
+    app.add_exception_handler(MemoryError, _of_memory)
     app.add_exception_handler(Exception, _of_fault)

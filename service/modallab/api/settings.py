@@ -46,6 +46,9 @@ class ServiceSettings(BaseSettings):
         description="a name for this process among those that run jobs; else from host and process",
     )
     queue_length: int = Field(default=100, ge=1, description="jobs that may wait")
+    job_seconds: float = Field(
+        default=3600.0, gt=0, description="s, estimated duration above which a job is refused"
+    )
     body_limit: int = Field(default=5_000_000, ge=1, description="bytes of a JSON request")
     upload_limit: int = Field(default=200_000_000, ge=1, description="bytes of an import, unpacked too")
 

@@ -1,11 +1,9 @@
-"""Jobs that outlive any process: the only file that knows DBOS.
+"""Jobs that outlive any process: with `jobs.dbos_engine`, the only file that knows DBOS.
 
 The book (`jobs.book`) holds what a job is and how far it is; DBOS holds that it must still be done.
 What a crash leaves between the two, and what a lost worker leaves, a reconciler mends (`jobs.reconciler`).
 """
 
-import json
-import logging
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -16,44 +14,34 @@ import anyio
 import sqlalchemy as sa
 import structlog
 from anyio import BrokenWorkerProcess, to_thread
-from dbos import DBOS, DBOSClient, Serializer
+from dbos import DBOS, DBOSClient
 from dbos import error as dbos_error
 
 from modallab.jobs.book import JobBook
+from modallab.jobs.dbos_engine import (
+    NAME,
+    QUEUE,
+    SHARES,
+    VERSION,
+    DbosEngine,
+    JsonSerializer,
+    connected,
+    prepare,
+)
 from modallab.jobs.executors import Executor, ExecutorBook, Watch
 from modallab.jobs.outages import is_outage, patiently
 from modallab.jobs.processes import WorkerProcesses
 from modallab.jobs.reconciler import Reconciler
 from modallab.jobs.runner import Job, JobState, RequestKey, time_limit_error
 from modallab.jobs.settings import JOB
-from modallab.jobs.work import INTERNAL, count_shares, describe, perform, perform_share
+from modallab.jobs.wake import Bell, Caller
+from modallab.jobs.work import INTERNAL, count_shares, describe, log_end, perform, perform_share
 from modallab.store.engine import make_engine
 from modallab.store.place import StorePlace, engine_of
 from modallab.store.viewer import Viewer
 
-_NAME = "modallab"
-_QUEUE = "jobs"
-# Of their own: a job keeps its place in the queue while others make its shares.
-_SHARES = "shares"
-# Jobs go on only under the version they were queued under. It names the shape of the workflow
-# below, not of modallab: an upgrade must not strand the jobs that wait.
-_VERSION = "1"
-_UNFINISHED = ("PENDING", "ENQUEUED", "DELAYED")
 _log = structlog.get_logger()
 Result = Any  # plain values of a share
-
-
-class _Json(Serializer):
-    """JSON instead of the default pickle: readable, and harmless if the database is not."""
-
-    def serialize(self, data: Any) -> str:
-        return json.dumps(data)
-
-    def deserialize(self, serialized_data: str) -> Any:
-        return json.loads(serialized_data)
-
-    def name(self) -> str:
-        return "json"
 
 
 @dataclass(frozen=True)
@@ -63,8 +51,10 @@ class _Site:
     place: StorePlace
     book: JobBook
     processes: WorkerProcesses
+    caller: Caller
 
 
+_BELL = Bell()
 _site: _Site | None = None  # DBOS is one a process, and its workflows are module-level functions
 
 
@@ -118,6 +108,8 @@ async def _share(job_id: str, index: int) -> Result:
     except dbos_error.DBOSMaxStepRetriesExceeded:
         _log.error("the worker process died under a share again and again", job=job_id, share=index)
         return None
+    finally:
+        _BELL.ring()  # a place is free
 
 
 async def _results_of_shares(job_id: str) -> Sequence[Result] | None:
@@ -128,7 +120,8 @@ async def _results_of_shares(job_id: str) -> Sequence[Result] | None:
     if n == 0:
         return None
     await to_thread.run_sync(patiently, book.progress, job_id, 0.0, f"0 of {n} runs")
-    workflows = [await DBOS.enqueue_workflow_async(_SHARES, _share, job_id, index) for index in range(n)]
+    workflows = [await DBOS.enqueue_workflow_async(SHARES, _share, job_id, index) for index in range(n)]
+    await to_thread.run_sync(_site.caller.ring)
     results: list[Result] = []
     for share in workflows:
         results.append(await share.get_result(polling_interval_sec=JOB.polling_interval))
@@ -145,24 +138,9 @@ async def _job(job_id: str) -> None:
     except dbos_error.DBOSMaxStepRetriesExceeded:
         _log.error("the worker process died under a job again and again", job=job_id)
         await to_thread.run_sync(patiently, _site.book.fail, job_id, INTERNAL)
-
-
-class _Quiet(logging.Filter):
-    """Drops what DBOS says of jobs that were stopped: the book has it, and it is no error."""
-
-    _IGNORED_MESSAGES = (
-        "in asynchronous workflow",
-        "no longer owned",
-        "task cancelled for workflow",
-        "cancelled during execution",
-    )
-
-    def filter(self, record: logging.LogRecord) -> bool:
-        message = record.getMessage()
-        return not any(words in message for words in self._IGNORED_MESSAGES)
-
-
-_QUIET = _Quiet()
+    finally:
+        _BELL.ring()
+    log_end(await to_thread.run_sync(patiently, _site.book.get, job_id))
 
 
 @dataclass(frozen=True)
@@ -177,47 +155,6 @@ class JobPlace:
         if not self.url.startswith("sqlite"):
             url = sa.make_url(self.url).set(drivername="postgresql+psycopg")
             DBOS.migrate(url.render_as_string(hide_password=False), schema=self.schema)
-
-
-class _Engine:
-    """What the reconciler asks of DBOS, see `jobs.reconciler.Engine`."""
-
-    def __init__(self, client: DBOSClient) -> None:
-        self._client = client
-
-    def states(self, job_ids: Sequence[str]) -> dict[str, bool]:
-        found = self._client.list_workflows(workflow_ids=list(job_ids), load_input=False, load_output=False)
-        return {workflow.workflow_id: workflow.status in _UNFINISHED for workflow in found}
-
-    def unfinished(self) -> set[str]:
-        found = self._client.list_workflows(
-            name="job", status=list(_UNFINISHED), load_input=False, load_output=False
-        )
-        return {workflow.workflow_id for workflow in found}
-
-    def owners(self) -> set[str]:
-        pending = self._client.list_workflows(status="PENDING", load_input=False, load_output=False)
-        return {workflow.executor_id for workflow in pending if workflow.executor_id}
-
-    def enqueue(self, job_id: str) -> None:
-        self._client.enqueue(
-            {"workflow_name": "job", "queue_name": _QUEUE, "workflow_id": job_id, "app_version": _VERSION},
-            job_id,
-        )
-
-    def restart(self, job_id: str) -> None:
-        self._client.rewind_workflow(job_id, application_version=_VERSION, queue_name=_QUEUE)
-
-    def stop(self, job_id: str) -> None:
-        self._client.cancel_workflow(job_id, cancel_children=True)
-
-    def recover(self, executor_ids: Sequence[str]) -> None:
-        pending = self._client.list_workflows(
-            status="PENDING", executor_id=list(executor_ids), load_input=False, load_output=False
-        )
-        for workflow in pending:
-            # Only while it is still that executor's: two that take over at once disturb nothing.
-            self._client._sys_db.reenqueue_for_recovery(workflow.workflow_id, list(executor_ids), _QUEUE)
 
 
 class DurableRunner:
@@ -244,6 +181,7 @@ class DurableRunner:
         self._executor = Executor.here(executor_id) if runs else None
         self._executors, self._watch = ExecutorBook(engine_of(place)), Watch()
         self._engine = make_engine(jobs.url, schema=jobs.schema)
+        self._caller = Caller(self._engine, jobs.schema, _BELL)
         self._client: DBOSClient | None = None
         self._reconciler: Reconciler | None = None
 
@@ -257,53 +195,45 @@ class DurableRunner:
         """
         if self._executor is not None:
             await to_thread.run_sync(self._executors.enter, self._executor)
+            self._caller.listen()
             await self._launch(self._executor.id)
-        self._client = await to_thread.run_sync(self._connect)
+        self._client = await to_thread.run_sync(connected, self._engine, self._jobs.schema)
         if self._executor is not None:
-            self._reconciler = Reconciler(self._executor, self._executors, self._book, _Engine(self._client))
+            self._reconciler = Reconciler(
+                self._executor, self._executors, self._book, DbosEngine(self._client, self._caller)
+            )
             await to_thread.run_sync(self._reconciler.start)
         return self
-
-    def _connect(self) -> DBOSClient:
-        return DBOSClient(
-            system_database_engine=self._engine,
-            dbos_system_schema=self._jobs.schema,
-            serializer=_Json(),
-            application_name=_NAME,
-        )
 
     async def _launch(self, executor_id: str) -> None:
         global _site
         cores = max(1, (os.cpu_count() or 1) - 1)
-        _site = _Site(self._place, self._book, WorkerProcesses(cores))
+        _site = _Site(self._place, self._book, WorkerProcesses(cores), self._caller)
         DBOS(
             config={
-                "name": _NAME,
+                "name": NAME,
                 "system_database_engine": self._engine,
                 "dbos_system_schema": self._jobs.schema,
-                "application_version": _VERSION,
+                "application_version": VERSION,
                 "executor_id": executor_id,
-                "serializer": _Json(),
+                "serializer": JsonSerializer(),
                 "log_level": "WARNING",
                 "run_migrations": self._engine.dialect.name == "sqlite",
             }
         )
-        engine_log = logging.getLogger("dbos")
-        engine_log.handlers.clear()  # its lines go the way of all others, through the root logger
-        engine_log.propagate = True
-        engine_log.addFilter(_QUIET)
+        prepare(_BELL)
         # In the thread of the server's event loop, which DBOS then uses: `to_process` ties its worker
         # processes to the loop's root task, and a loop of DBOS's own has none that lasts.
         DBOS.launch()
         await DBOS.register_queue_async(
-            _QUEUE,
+            QUEUE,
             worker_concurrency=cores,
             polling_interval_sec=JOB.polling_interval,
             on_conflict="always_update",
         )
         # One more than can be worked on: it is there when a process is free, without another poll.
         await DBOS.register_queue_async(
-            _SHARES,
+            SHARES,
             worker_concurrency=cores + 1,
             polling_interval_sec=JOB.polling_interval,
             on_conflict="always_update",
@@ -318,6 +248,7 @@ class DurableRunner:
             if _site is not None:
                 await _site.processes.leave()
             await to_thread.run_sync(self._hand_back, self._executor)
+            await to_thread.run_sync(self._caller.end)
         if self._client is not None:
             await to_thread.run_sync(self._client.destroy)
         self._engine.dispose()
@@ -326,7 +257,7 @@ class DurableRunner:
         """Queue anew what this process was working on, and leave the executors."""
         try:
             if self._client is not None:
-                _Engine(self._client).recover([executor.id])
+                DbosEngine(self._client, self._caller).recover([executor.id])
             self._executors.remove(executor)
         except Exception as error:  # the others will take this process for lost
             if not is_outage(error):
@@ -339,7 +270,8 @@ class DurableRunner:
         """Queue a task and return its job."""
         job = self._book.open(task, arguments, owner=owner, request=request)
         assert self._client is not None
-        _Engine(self._client).enqueue(job.id)  # an id that is queued already is queued once
+        DbosEngine(self._client, self._caller).enqueue(job.id)  # an id that is queued already is queued once
+        _log.info("job queued", job=job.id, task=task)
         return job
 
     def get(self, job_id: str, *, viewer: Viewer) -> Job:

@@ -70,6 +70,7 @@ class Reconciler:
         self._executor, self._executors, self._book, self._engine = executor, executors, book, engine
         self._watch = Watch()
         self._suspects: dict[str, set[str]] = {}
+        self._idle_beats = 0  # since a job was active
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name="reconciler", daemon=True)
 
@@ -91,7 +92,9 @@ class Reconciler:
                     os.kill(os.getpid(), signal.SIGTERM)
                     return
                 end_stopped_children()
-                self.mend()
+                self._idle_beats += 1
+                if self._idle_beats % JOB.idle_beats == 0:
+                    self.mend()
             except Exception as error:  # the database is away, say: the next beat tries again
                 _log.warning("jobs could not be reconciled", error=str(error).splitlines()[0])
 
@@ -99,6 +102,8 @@ class Reconciler:
         """Take over what lost executors left, and make book and engine agree."""
         self._take_over()
         active = set(self._book.active())
+        if active or any(self._suspects.values()):
+            self._idle_beats = -1
         states = self._engine.states(sorted(active)) if active else {}
         unknown = {job_id for job_id in active if job_id not in states}
         ended = {job_id for job_id in active if states.get(job_id) is False}

@@ -10,7 +10,25 @@ class JobSettings(Settings):
     """Polling, retries and progress reports of jobs."""
 
     polling_interval: float = setting(
-        0.1, unit="s", doc="time until a queued job starts", derived="short beside the shortest job"
+        0.1,
+        unit="s",
+        doc="time between two looks for queued jobs while something happens",
+        derived="short beside the shortest job",
+    )
+    idle_interval: float = setting(
+        5.0,
+        unit="s",
+        doc="time between two looks for queued jobs while nothing happens",
+        derived="a call wakes whoever looks; this finds what a lost call left",
+    )
+    attentive: float = setting(
+        2.0,
+        unit="s",
+        doc="time after a call in which looks are frequent",
+        derived="a place for a job is free some time after the call that tells of it",
+    )
+    longest_stop: float = setting(
+        0.5, unit="s", doc="time until a thread that waits sees that it has to end", derived="of a shutdown"
     )
     max_attempts: int = setting(
         14,
@@ -32,6 +50,12 @@ class JobSettings(Settings):
     )
     beat_interval: float = setting(
         2.0, unit="s", doc="time between two signs of life of an executor", derived="a row every two seconds"
+    )
+    idle_beats: int = setting(
+        3,
+        unit="beats",
+        doc="beats between two looks at book and engine while no job is active",
+        derived="lost executors are found within 30 s; an idle service takes less than 1 % of a core",
     )
     lost_after: float = setting(
         15.0,

@@ -4,7 +4,11 @@ import os
 import time
 import traceback
 from collections.abc import Mapping, Sequence
+from datetime import datetime
+from itertools import pairwise
 from typing import Any, cast
+
+import structlog
 
 from modallab.core.errors import CancelledError, ModalLabError, sentence
 from modallab.jobs.book import JobBook
@@ -17,6 +21,7 @@ from modallab.store.base import Store
 from modallab.store.place import StorePlace, engine_of, open_store
 
 Json = Any
+_log = structlog.get_logger()
 
 
 class Reporter:
@@ -133,6 +138,18 @@ def _performed(place: StorePlace, job_id: str, shares: Sequence[Json] | None) ->
         return traceback.format_exc()
     patiently(book.succeed, job_id)
     return None
+
+
+def log_end(job: Job) -> None:
+    """Log a job that has ended, with the seconds that it waited and ran."""
+    moments = [
+        None if m is None else datetime.fromisoformat(m) for m in (job.created, job.started, job.ended)
+    ]
+    waited, ran = (
+        None if begin is None or end is None else round((end - begin).total_seconds(), 3)
+        for begin, end in pairwise(moments)
+    )
+    _log.info("job ended", job=job.id, task=job.task, state=job.state.value, waited=waited, ran=ran)
 
 
 INTERNAL: Mapping[str, Any] = {

@@ -17,11 +17,15 @@ class ArrayFiles(Protocol):
         ...
 
     def get(self, id: str, digest: str) -> bytes:
-        """Return an array file; `StoredDataError` if it is gone."""
+        """Return an array file; `StoredDataError` if it is gone, or is not what was put."""
         ...
 
     def remove(self, id: str, digest: str) -> None:
         """Forget an array file; nothing happens if it is gone."""
+        ...
+
+    def size(self, id: str, digest: str) -> int:
+        """Return the bytes of an array file; 0 if it is gone."""
         ...
 
 
@@ -58,15 +62,25 @@ class FolderArrays:
         return digest
 
     def get(self, id: str, digest: str) -> bytes:
-        """Return an array file; `StoredDataError` if it is gone."""
+        """Return an array file; `StoredDataError` if it is gone, or is not what was put."""
         try:
-            return self._path(id, digest).read_bytes()
+            payload = self._path(id, digest).read_bytes()
         except FileNotFoundError:
             raise StoredDataError("the array file is gone", id=id) from None
+        if hashlib.sha256(payload).hexdigest() != digest:
+            raise StoredDataError("the array file is damaged", id=id)
+        return payload
 
     def remove(self, id: str, digest: str) -> None:
         """Forget an array file; nothing happens if it is gone."""
         self._path(id, digest).unlink(missing_ok=True)
+
+    def size(self, id: str, digest: str) -> int:
+        """Return the bytes of an array file; 0 if it is gone."""
+        try:
+            return self._path(id, digest).stat().st_size
+        except FileNotFoundError:
+            return 0
 
 
 def _sync_folder(folder: Path) -> None:

@@ -168,6 +168,10 @@ class Store(Protocol):
         """Return the store in which only what is there for the viewer exists."""
         ...
 
+    def weight(self, ids: Sequence[str], array_bytes: float, *, origins: bool) -> float:
+        """Return the bytes of things, with `origins` of what they were made from, too; arrays count less."""
+        ...
+
     def together(self) -> "AbstractContextManager[Store]":
         """Return a store whose additions are seen all at once when the block ends, or never."""
         ...

@@ -2,7 +2,7 @@
 
 import json
 import secrets
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import fields
 from datetime import UTC, datetime
@@ -21,6 +21,7 @@ from modallab.store.npz import pack, unpack
 from modallab.store.plain import from_plain, to_plain
 from modallab.store.tables import LINKS, THINGS, TRUTHS
 from modallab.store.viewer import EVERYONE, Viewer, manageable, readable
+from modallab.store.weights import weight_of
 
 T = TypeVar("T")
 Connect = Callable[[], AbstractContextManager[sa.Connection]]
@@ -236,6 +237,11 @@ class SqlStore:
     def as_seen_by(self, viewer: Viewer) -> "SqlStore":
         """Return the store in which only what is there for the viewer exists."""
         return self if viewer == self._viewer else SqlStore(self._connect, self._files, viewer)
+
+    def weight(self, ids: Sequence[str], array_bytes: float, *, origins: bool) -> float:
+        """Return the bytes of things, with `origins` of what they were made from, too; arrays count less."""
+        with self._connect() as connection:
+            return weight_of(connection, self._files, ids, array_bytes, origins=origins)
 
     @contextmanager
     def together(self) -> Iterator["SqlStore"]:

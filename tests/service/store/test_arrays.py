@@ -35,3 +35,12 @@ def test_a_write_that_fails_leaves_nothing(tmp_path: Path, monkeypatch: pytest.M
     with pytest.raises(OSError, match="no space"):
         FolderArrays(tmp_path).put("abc", b"payload")
     assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
+
+
+def test_a_file_that_has_changed_is_not_returned(tmp_path: Path) -> None:
+    files = FolderArrays(tmp_path)
+    digest = files.put("abc", b"payload")
+    (file,) = (path for path in tmp_path.rglob("*") if path.is_file())
+    file.write_bytes(b"pbyload")
+    with pytest.raises(StoredDataError, match="damaged"):
+        files.get("abc", digest)

@@ -11,12 +11,13 @@ from modallab.api.correlations.replies import CorrelationReply, correlation_arra
 from modallab.api.correlations.schemas import CorrelationIn
 from modallab.api.deps import IdPath, OwnerDep, StoreDep
 from modallab.api.examples import examples
+from modallab.api.offloading.route import OffloadedRoute
 from modallab.api.reductions import check_size, reduction_in
 from modallab.api.shelves import add_routes
 from modallab.correlation.compare import correlate
 from modallab.rig.exact import as_modelled
 
-router = APIRouter(prefix="/correlations", tags=["correlations"])
+router = APIRouter(prefix="/correlations", tags=["correlations"], route_class=OffloadedRoute)
 
 _IDS = {"modal_model_id": "77ab10", "structure_id": "5f0c31"}
 _BODY = examples(

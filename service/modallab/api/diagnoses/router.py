@@ -8,12 +8,13 @@ from starlette.responses import HTMLResponse, Response
 
 from modallab.api import array_tables
 from modallab.api.arrays import ArraysFormatDep
-from modallab.api.deps import IdPath, JobsDep, OwnerDep, RequestKeyDep, StoreDep
+from modallab.api.deps import IdPath, JobsDep, OwnerDep, RequestKeyDep, SettingsDep, StoreDep
 from modallab.api.diagnoses.follow_ups import check_follow_ups
 from modallab.api.diagnoses.replies import Adoption, DiagnosisReply, diagnosis_reply
 from modallab.api.diagnoses.schemas import DiagnosisStart
 from modallab.api.examples import example
 from modallab.api.jobs import JobReply, job_reply
+from modallab.api.offloading.route import OffloadedRoute
 from modallab.api.shelves import add_routes
 from modallab.core.errors import InvalidInputError
 from modallab.core.line_options import line_mask
@@ -22,12 +23,14 @@ from modallab.diagnosis.reporting.report import report
 from modallab.diagnosis.residuals.random_error import check_random_error_known
 from modallab.diagnosis.result_builder import extended
 from modallab.diagnosis.unknown.adoption import adopted_effect
+from modallab.jobs.durations import DURATION, duration_of_solutions
+from modallab.jobs.settings import JOB
 from modallab.jobs.tasks import DIAGNOSIS
 
 # The page holds all it shows: it may load nothing and run nothing.
 _STATIC = {"Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'; img-src data:"}
 
-router = APIRouter(prefix="/diagnoses", tags=["diagnoses"])
+router = APIRouter(prefix="/diagnoses", tags=["diagnoses"], route_class=OffloadedRoute)
 
 _BODY = {
     "structure_id": "5f0c31",
@@ -47,6 +50,7 @@ def start_diagnosis(
     jobs: JobsDep,
     owner: OwnerDep,
     request_key: RequestKeyDep,
+    settings: SettingsDep,
 ) -> Any:
     """Start a job that searches for the effects that a structure and a rig lack."""
     measurement = store.measurements.get(body.measurement_id)
@@ -54,6 +58,10 @@ def start_diagnosis(
     check_comparable(structure, measurement)
     check_random_error_known(replace(measurement, noise_floor=body.noise_floor))
     inputs, options = body.to_task(structure)
+    n_tests = 1 + len(inputs.follow_ups) + JOB.further_tests * body.act
+    n_dofs = len(structure.dofs)
+    n = DURATION.solutions_of_diagnosis * n_tests
+    duration_of_solutions(n_dofs, n, "structure_id", n_dofs).check(settings.job_seconds)
     line_mask(measurement.frf.freq, options.bands, options.exclude)
     check_follow_ups(store, structure, body.measurement_id, body.follow_ups, act=body.act)
     return job_reply(

@@ -32,6 +32,7 @@ from modallab.api.measurements.replies import (
     measurement_reply,
 )
 from modallab.api.measurements.schemas import MeasurementStart
+from modallab.api.offloading.route import OffloadedRoute
 from modallab.api.replies import reply_of
 from modallab.api.shelves import add_routes
 from modallab.api.thinning import Points
@@ -39,11 +40,13 @@ from modallab.interchange import frf_text, hdf5, uff
 from modallab.interchange.confinement import NamedFile
 from modallab.interchange.reading import read_measurement
 from modallab.interchange.settings import FRF_TEXT_FILE
+from modallab.jobs.durations import duration_of_measurement
 from modallab.jobs.tasks import MEASUREMENT
+from modallab.rig.effect import build
 from modallab.store.base import Truth
 from modallab.store.codec import arrays_of
 
-router = APIRouter(prefix="/measurements", tags=["measurements"])
+router = APIRouter(prefix="/measurements", tags=["measurements"], route_class=OffloadedRoute)
 Decimals = Annotated[
     int,
     Query(
@@ -69,10 +72,14 @@ def start_measurement(
     jobs: JobsDep,
     owner: OwnerDep,
     request_key: RequestKeyDep,
+    settings: SettingsDep,
 ) -> Any:
     """Start a job that measures the FRFs of a structure on a rig."""
     structure, setup = store.structures.get(body.structure_id), store.rigs.get(body.rig_id)
-    arguments = MEASUREMENT.arguments(*body.to_task(structure, setup))
+    inputs, options = body.to_task(structure, setup)
+    effects = [build(spec) for spec in (*structure.effects, *setup.effects, *options.effects)]
+    duration_of_measurement(setup, effects, options.route).check(settings.job_seconds)
+    arguments = MEASUREMENT.arguments(inputs, options)
     return job_reply(jobs.submit(MEASUREMENT.name, arguments, owner=owner, request=request_key))
 
 

@@ -33,6 +33,7 @@ from modallab.api.modal_models.reciprocal import (
 from modallab.api.modal_models.replies import DETAILS, ModalModelReply, modal_model_reply
 from modallab.api.modal_models.schemas import ModalModelIn, ModalModelStart, SelectionIn
 from modallab.api.modal_models.table import COLUMNS, mode_rows
+from modallab.api.offloading.route import OffloadedRoute
 from modallab.api.shelves import add_routes
 from modallab.api.thinning import Points
 from modallab.core.dof import Dof
@@ -44,7 +45,7 @@ from modallab.jobs.selecting import selected_model
 from modallab.jobs.tasks import EXTRACTION
 from modallab.store.base import Store
 
-router = APIRouter(prefix="/modal-models", tags=["modal_models"])
+router = APIRouter(prefix="/modal-models", tags=["modal_models"], route_class=OffloadedRoute)
 
 _START = {
     "measurement_id": "c04d1a",

@@ -6,12 +6,13 @@ from fastapi import APIRouter, Query, status
 
 from modallab.api.deps import Id, IdPath, OwnerDep, StoreDep
 from modallab.api.examples import example
+from modallab.api.offloading.route import OffloadedRoute
 from modallab.api.rigs.replies import ChecksReply, RigChecks, RigReply, rig_reply
 from modallab.api.rigs.schemas import RigIn
 from modallab.api.shelves import add_routes
 from modallab.rig.checks import check_result, checks
 
-router = APIRouter(prefix="/rigs", tags=["rigs"])
+router = APIRouter(prefix="/rigs", tags=["rigs"], route_class=OffloadedRoute)
 
 _RIG = {
     "drive": "1:+Y",

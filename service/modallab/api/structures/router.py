@@ -14,6 +14,7 @@ from modallab.api.files import UFF, origin, uff_reply
 from modallab.api.media import CsvWanted, csv_replies, csv_reply
 from modallab.api.modal_models.replies import ExpandedReply, ModalModelReply, modal_model_reply
 from modallab.api.modal_models.schemas import SyntheticIn
+from modallab.api.offloading.route import OffloadedRoute
 from modallab.api.reductions import ReducedQuery, check_size, reduction_in
 from modallab.api.shelves import add_routes
 from modallab.api.structures.changes import ChangesIn
@@ -26,13 +27,14 @@ from modallab.api.structures.schemas import StructureIn
 from modallab.api.wire import Text
 from modallab.fe.changes import change
 from modallab.fe.expansion import expand
+from modallab.fe.structure import Structure
 from modallab.fe.synthetic_modes import lowest_modes, synthetic_modes
 from modallab.interchange import uff_geometry
 from modallab.jobs.model_files import ModelRequest, read_model_confined
 from modallab.rig.exact import as_modelled
 from modallab.store.base import Store
 
-router = APIRouter(prefix="/structures", tags=["structures"])
+router = APIRouter(prefix="/structures", tags=["structures"], route_class=OffloadedRoute)
 Count = Annotated[int, Query(ge=1, le=100, description="how many elastic modes at most")]
 
 _MODE_COLUMNS = ("mode", "frequency", "loss_factor")
@@ -74,8 +76,11 @@ _SYNTHETIC = {"count": 8, "dofs": ["1:+Y", "11:+Y", "21:+Y"], "noise": {"eigenva
 _EXPANSION = {"modal_model_id": "77ab10", "reduction": "serep"}
 
 
-def _stored(store: Store, id: str) -> Any:
-    return structure_reply(store.structures.get(id), store.structures.entry(id))
+def _stored(store: Store, structure: Structure, owner: str, **inputs: str) -> Any:
+    """Return the reply of a structure after storing it."""
+    return structure_reply(
+        structure, store.structures.entry(store.structures.add(structure, owner=owner, inputs=inputs))
+    )
 
 
 @router.post(
@@ -83,7 +88,7 @@ def _stored(store: Store, id: str) -> Any:
 )
 def create_structure(body: Annotated[StructureIn, _BODY], store: StoreDep, owner: OwnerDep) -> Any:
     """Return a structure from its description: a beam, a frame, a plate, or one of the catalogue by name."""
-    return _stored(store, store.structures.add(body.to_domain(), owner=owner))
+    return _stored(store, body.to_domain(), owner)
 
 
 @router.post(
@@ -106,13 +111,13 @@ def import_structure(
     described = None if mesh is None else mesh_of(mesh)
     limit = settings.upload_limit
     read = read_model_confined(file.file, ModelRequest(law, name, described), largest=limit)
-    return _stored(store, store.structures.add(read, owner=owner))
+    return _stored(store, read, owner)
 
 
 @router.get("/{id}", response_model=StructureReply, summary="Get a structure")
 def get_structure(id: IdPath, store: StoreDep) -> Any:
     """Return the size of a stored structure and its groups of members."""
-    return _stored(store, id)
+    return structure_reply(store.structures.get(id), store.structures.entry(id))
 
 
 @router.post(
@@ -126,7 +131,7 @@ def change_structure(
 ) -> Any:
     """Return a new structure with changed members, masses or springs; the first one stays as it is."""
     changed = change(store.structures.get(id), [change_in.to_domain() for change_in in body.changes])
-    return _stored(store, store.structures.add(changed, owner=owner, inputs={"structure_id": id}))
+    return _stored(store, changed, owner, structure_id=id)
 
 
 @router.get(

@@ -7,16 +7,18 @@ from starlette.responses import Response
 
 from modallab.api import array_tables
 from modallab.api.arrays import ArraysFormatDep
-from modallab.api.deps import IdPath, JobsDep, OwnerDep, RequestKeyDep, StoreDep
+from modallab.api.deps import IdPath, JobsDep, OwnerDep, RequestKeyDep, SettingsDep, StoreDep
 from modallab.api.examples import example
 from modallab.api.jobs import JobReply, job_reply
+from modallab.api.offloading.route import OffloadedRoute
 from modallab.api.shelves import add_routes
 from modallab.api.studies.replies import StudyReply, study_arrays, study_reply
 from modallab.api.studies.schemas import StudyStart
+from modallab.jobs.durations import duration_of_solutions
 from modallab.jobs.tasks import STUDY
 from modallab.rig.exact import with_effects
 
-router = APIRouter(prefix="/studies", tags=["studies"])
+router = APIRouter(prefix="/studies", tags=["studies"], route_class=OffloadedRoute)
 
 _BODY = {
     "structure_id": "5f0c31",
@@ -37,10 +39,14 @@ def start_study(
     jobs: JobsDep,
     owner: OwnerDep,
     request_key: RequestKeyDep,
+    settings: SettingsDep,
 ) -> Any:
     """Start a job that runs an updating method on many sets of noisy modes."""
     model, truth = (with_effects(store.structures.get(id)) for id in (body.structure_id, body.truth_id))
-    arguments = STUDY.arguments(*body.to_task(model, truth))
+    inputs, plan = body.to_task(model, truth)
+    n = plan.n_runs * getattr(plan.options, "max_iterations", 1)
+    duration_of_solutions(len(model.dofs), n, "seeds", len(plan.seeds)).check(settings.job_seconds)
+    arguments = STUDY.arguments(inputs, plan)
     return job_reply(jobs.submit(STUDY.name, arguments, owner=owner, request=request_key))
 
 

@@ -7,21 +7,23 @@ from starlette.responses import Response
 
 from modallab.api import array_tables
 from modallab.api.arrays import ArraysFormatDep
-from modallab.api.deps import IdPath, JobsDep, OwnerDep, RequestKeyDep, StoreDep
+from modallab.api.deps import IdPath, JobsDep, OwnerDep, RequestKeyDep, SettingsDep, StoreDep
 from modallab.api.examples import examples
 from modallab.api.jobs import JobReply, job_reply
+from modallab.api.offloading.route import OffloadedRoute
 from modallab.api.shelves import add_routes
 from modallab.api.updates.arrays import covariance_arrays, direct_arrays, posterior_arrays
 from modallab.api.updates.replies import UpdateReply, update_reply
 from modallab.api.updates.responses import check_responses
 from modallab.api.updates.schemas import UpdateStart
 from modallab.core.errors import NotFoundError
+from modallab.jobs.durations import duration_of_solutions
 from modallab.jobs.tasks import UPDATE
 from modallab.rig.exact import with_effects
 from modallab.updating.direct.result import DirectResult
 from modallab.updating.method import UpdateResult
 
-router = APIRouter(prefix="/updates", tags=["updates"])
+router = APIRouter(prefix="/updates", tags=["updates"], route_class=OffloadedRoute)
 
 _BODY = {
     "structure_id": "5f0c31",
@@ -61,10 +63,14 @@ def start_update(
     jobs: JobsDep,
     owner: OwnerDep,
     request_key: RequestKeyDep,
+    settings: SettingsDep,
 ) -> Any:
     """Start a job that corrects a structure from measured modes or FRFs."""
     structure = with_effects(store.structures.get(body.structure_id))
-    arguments = UPDATE.arguments(*body.to_task(structure))
+    inputs, request = body.to_task(structure)
+    n = getattr(request.options, "max_iterations", 1)
+    duration_of_solutions(len(structure.dofs), n, "max_iterations", n).check(settings.job_seconds)
+    arguments = UPDATE.arguments(inputs, request)
     if body.modal_model_id is not None:
         store.modal_models.check(body.modal_model_id)
     if body.measurement_id is not None:

@@ -1,0 +1,1 @@
+"""Heavy requests: weighed, and answered by confined worker processes, a bounded number at once."""

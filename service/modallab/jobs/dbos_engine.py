@@ -1,0 +1,134 @@
+"""What the jobs need of DBOS, beside the workflows themselves in `jobs.durable`."""
+
+import json
+import logging
+import threading
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+import sqlalchemy as sa
+from dbos import DBOS, DBOSClient, Serializer
+from dbos import _queue as dbos_queue
+
+from modallab.jobs.wake import Bell, Caller, Listener
+
+NAME = "modallab"
+QUEUE = "jobs"
+# Of their own: a job keeps its place in the queue while others make its shares.
+SHARES = "shares"
+# Jobs go on only under the version they were queued under. It names the shape of the workflow
+# below, not of modallab: an upgrade must not strand the jobs that wait.
+VERSION = "1"
+UNFINISHED = ("PENDING", "ENQUEUED", "DELAYED")
+
+
+class JsonSerializer(Serializer):
+    """JSON instead of the default pickle: readable, and harmless if the database is not."""
+
+    def serialize(self, data: Any) -> str:
+        """Return values as text."""
+        return json.dumps(data)
+
+    def deserialize(self, serialized_data: str) -> Any:
+        """Return the values of a text."""
+        return json.loads(serialized_data)
+
+    def name(self) -> str:
+        """Return the name that the database keeps of the format."""
+        return "json"
+
+
+class DbosEngine:
+    """What the reconciler asks of DBOS, see `jobs.reconciler.Engine`."""
+
+    def __init__(self, client: DBOSClient, caller: Caller) -> None:
+        self._client, self._caller = client, caller
+
+    def states(self, job_ids: Sequence[str]) -> dict[str, bool]:
+        """Return whether each job is still to be done, of those that DBOS knows."""
+        found = self._client.list_workflows(workflow_ids=list(job_ids), load_input=False, load_output=False)
+        return {workflow.workflow_id: workflow.status in UNFINISHED for workflow in found}
+
+    def unfinished(self) -> set[str]:
+        """Return the ids of all jobs that DBOS has still to do."""
+        found = self._client.list_workflows(
+            name="job", status=list(UNFINISHED), load_input=False, load_output=False
+        )
+        return {workflow.workflow_id for workflow in found}
+
+    def owners(self) -> set[str]:
+        """Return the names of the executors that jobs run on."""
+        pending = self._client.list_workflows(status="PENDING", load_input=False, load_output=False)
+        return {workflow.executor_id for workflow in pending if workflow.executor_id}
+
+    def enqueue(self, job_id: str) -> None:
+        """Queue a job that DBOS does not know."""
+        self._client.enqueue(
+            {"workflow_name": "job", "queue_name": QUEUE, "workflow_id": job_id, "app_version": VERSION},
+            job_id,
+        )
+        self._caller.ring()
+
+    def restart(self, job_id: str) -> None:
+        """Queue a job anew that DBOS has ended."""
+        self._client.rewind_workflow(job_id, application_version=VERSION, queue_name=QUEUE)
+        self._caller.ring()
+
+    def stop(self, job_id: str) -> None:
+        """Stop a job that is not wanted any more."""
+        self._client.cancel_workflow(job_id, cancel_children=True)
+
+    def recover(self, executor_ids: Sequence[str]) -> None:
+        """Queue anew what ran on lost executors."""
+        pending = self._client.list_workflows(
+            status="PENDING", executor_id=list(executor_ids), load_input=False, load_output=False
+        )
+        for workflow in pending:
+            # Only while it is still that executor's: two that take over at once disturb nothing.
+            self._client._sys_db.reenqueue_for_recovery(workflow.workflow_id, list(executor_ids), QUEUE)
+        self._caller.ring()
+
+
+def connected(engine: sa.Engine, schema: str) -> DBOSClient:
+    """Return a client of DBOS's database."""
+    return DBOSClient(
+        system_database_engine=engine,
+        dbos_system_schema=schema,
+        serializer=JsonSerializer(),
+        application_name=NAME,
+    )
+
+
+class Quiet(logging.Filter):
+    """Drops what DBOS says of jobs that were stopped: the book has it, and it is no error."""
+
+    _IGNORED_MESSAGES = (
+        "in asynchronous workflow",
+        "no longer owned",
+        "task cancelled for workflow",
+        "cancelled during execution",
+    )
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Return whether a message is logged."""
+        message = record.getMessage()
+        return not any(words in message for words in self._IGNORED_MESSAGES)
+
+
+def prepare(bell: Bell) -> None:
+    """Have DBOS log as all others do, without what is no error, and look for jobs when a bell rings."""
+    engine_log = logging.getLogger("dbos")
+    engine_log.handlers.clear()
+    engine_log.propagate = True
+    if not any(isinstance(known, Quiet) for known in engine_log.filters):
+        engine_log.addFilter(Quiet())
+    look = dbos_queue.queue_worker_thread
+    if not isinstance(look, partial):
+        dbos_queue.queue_worker_thread = partial(_look_when_called, look, bell)
+
+
+def _look_when_called(
+    look: Callable[..., None], bell: Bell, stop: threading.Event, dbos: DBOS, queue: Any
+) -> None:
+    look(Listener(stop, bell), dbos, queue)
