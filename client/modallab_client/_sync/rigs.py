@@ -5,6 +5,7 @@ from typing import Any
 
 from modallab_client import _wire
 from modallab_client._sync.shelf import Shelf
+from modallab_client.identified import Identified, id_of
 from modallab_client.results import (
     Accelerometers,
     Analyser,
@@ -66,6 +67,6 @@ class Rigs(Shelf):
         body = test | hardware | attached
         return _wire.reply(Rig, self._transport.request("POST", "/v1/rigs", json=body))
 
-    def get(self, rig_id: str) -> Rig:
+    def get(self, rig_id: Identified) -> Rig:
         """Return a rig as it was declared."""
-        return _wire.reply(Rig, self._transport.request("GET", f"{self.path}/{rig_id}"))
+        return _wire.reply(Rig, self._transport.request("GET", f"{self.path}/{id_of(rig_id)}"))

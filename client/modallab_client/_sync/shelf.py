@@ -4,6 +4,7 @@ from typing import ClassVar
 
 from modallab_client import _wire
 from modallab_client._sync.transport import Transport
+from modallab_client.identified import Identified, id_of
 from modallab_client.results import StoredEntry
 
 
@@ -26,6 +27,6 @@ class Shelf:
             if cursor is None:
                 return collected
 
-    def delete(self, id: str) -> None:
+    def delete(self, id: Identified) -> None:
         """Remove one; things that others were made from stay, with a `ConflictError`."""
-        self._transport.request("DELETE", f"{self.path}/{id}")
+        self._transport.request("DELETE", f"{self.path}/{id_of(id)}")

@@ -54,7 +54,7 @@ def durable_runner(settings: ServiceSettings) -> DurableRunner:
 
 
 def create_app(settings: ServiceSettings, runner: JobRunner | None = None) -> FastAPI:
-    """Return the application, its database prepared by `modallab.api.cli` or `modallab init`.
+    """Return the application, its database prepared by `modallab serve` or `modallab init`.
 
     Parameters
     ----------

@@ -15,6 +15,7 @@ from modallab.api.diagnoses.schemas import DiagnosisOptionsBody, diagnosis_optio
 from modallab.api.faults import adapter_names, faults
 from modallab.api.rigs.schemas import RigIn
 from modallab.api.settings import ServiceSettings
+from modallab.api.structures.mesh import mesh_of
 from modallab.api.structures.schemas import StructureIn
 from modallab.api.wire import effect_out
 from modallab.core.dof import Dof
@@ -24,8 +25,10 @@ from modallab.core.progress import Progress
 from modallab.diagnosis.diagnose import diagnose_with_options
 from modallab.diagnosis.predicting.comparability import check_comparable
 from modallab.diagnosis.result import Diagnosis
+from modallab.fe.structure import Structure
 from modallab.interchange.declared import DeclaredTest
 from modallab.interchange.reading import read_measurement
+from modallab.jobs.model_files import ModelRequest, read_model_confined
 from modallab.rig.effect import EFFECTS
 from modallab.store.base import Entry
 
@@ -37,11 +40,14 @@ _PASSING = ("id", "created", "made_from", "structure_id", "rig_id")
 
 @dataclass(frozen=True)
 class Files:
-    """Input files: bodies of `POST /v1/structures` and `POST /v1/rigs`, and measured FRFs."""
+    """Input files: a model, the body of `POST /v1/rigs`, and measured FRFs."""
 
     model: Path
+    """Body of `POST /v1/structures`, where it ends in .json; else what an import takes."""
     rig: Path
     measured: Path
+    mesh: Path | None = None
+    """What the groups of a mesh are made of, as an import takes it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +86,7 @@ def diagnose_files(
     InvalidInputError
         If a file or a field is at fault; the message says which.
     """
-    structure = _of_file(files.model, lambda: _body(files.model, StructureIn).to_domain())
+    structure = _of_file(files.model, lambda: _structure(files))
     setup = _of_file(files.rig, lambda: _body(files.rig, RigIn).to_domain())
     with files.measured.open("rb") as file:
         largest = ServiceSettings.model_fields["upload_limit"].default
@@ -95,6 +101,16 @@ def diagnose_files(
         structure.index(Dof.parse(text, field="hold_out.dofs"))
     diagnosis = diagnose_with_options(structure, measurement, options, progress=progress)
     return DiagnosisOutcome(diagnosis, _entry(options.seed))
+
+
+def _structure(files: Files) -> Structure:
+    if files.model.suffix.lower() == ".json":
+        structure: Structure = _body(files.model, StructureIn).to_domain()
+        return structure
+    mesh = None if files.mesh is None else mesh_of(files.mesh.read_text(encoding="utf-8"))
+    with files.model.open("rb") as file:
+        largest = ServiceSettings.model_fields["upload_limit"].default
+        return read_model_confined(file, ModelRequest(description=mesh), largest=largest)
 
 
 def _entry(seed: int) -> Entry:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from modallab.api.cli import app
+from modallab_cli.app import app
 
 
 @pytest.fixture(autouse=True)

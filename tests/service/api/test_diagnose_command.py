@@ -11,7 +11,6 @@ import pytest
 from pydantic import TypeAdapter
 from typer.testing import CliRunner, Result
 
-from modallab.api.cli import app
 from modallab.api.rigs.schemas import RigIn
 from modallab.api.structures.schemas import StructureIn
 from modallab.core.dof import Dof
@@ -23,6 +22,7 @@ from modallab.rig.measure import Route, measure
 from modallab.rig.measurement import Measurement
 from modallab.store.codec import arrays_of
 from modallab.store.npz import pack
+from modallab_cli.app import app
 from tests.bodies import free_beam
 
 MODEL: Mapping[str, Any] = free_beam()

@@ -5,12 +5,24 @@ from typing import Any
 import pytest
 import typer
 
-from modallab.api.cli import app
-from modallab.api.flags import request_of
 from modallab.diagnosis.options import DiagnosisOptions
+from modallab_cli.app import app
+from modallab_cli.flags import request_of
 
 # Files, output, and what belongs to the measurement; `act` needs a rig that a file has not.
-NO_OPTIONS = {"model", "measured", "rig", "report", "averages", "as_json", "help"}
+NO_OPTIONS = {
+    "model",
+    "measured",
+    "rig",
+    "mesh",
+    "report",
+    "averages",
+    "picture",
+    "as_json",
+    "server",
+    "help",
+}
+NO_OPTIONS |= {"title", "object_", "author", "date"}
 
 
 def flags() -> dict[str, Any]:

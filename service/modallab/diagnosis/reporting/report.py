@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping
+from dataclasses import dataclass
 from html import escape
 
 import numpy as np
@@ -68,7 +69,25 @@ CONSIDERED = (
 )
 
 
-def report(diagnosis: Diagnosis, provenance: Mapping[str, str] | None = None) -> str:
+@dataclass(frozen=True)
+class ReportHeading:
+    """What a report says of itself at its top; what is empty is left out."""
+
+    title: str = ""
+    """Title above the finding."""
+    object: str = ""
+    """Object that was tested."""
+    author: str = ""
+    """Who made the test or the report."""
+    date: str = ""
+    """Date of the test or the report."""
+
+
+def report(
+    diagnosis: Diagnosis,
+    provenance: Mapping[str, str] | None = None,
+    heading: ReportHeading = ReportHeading(),
+) -> str:
     """Return a diagnosis as one self-contained HTML page.
 
     The page states the missing effects with their places, sizes and probabilities, shows measured and
@@ -79,11 +98,14 @@ def report(diagnosis: Diagnosis, provenance: Mapping[str, str] | None = None) ->
     provenance
         Origin of the diagnosis: `id`, `created`, `version`, `structure_id`, `measurement_id`; or the `call`
         that made it.
+    heading
+        Title, object, author and date.
     """
     title, added = headline(diagnosis), bool(diagnosis.steps)
     parts = [
-        paragraph("Diagnosis of a modal test", "soft"),
+        paragraph(heading.title or "Diagnosis of a modal test", "soft"),
         f"<h1>{escape(title)}</h1>",
+        _heading(heading),
         paragraph(verdict_text(diagnosis), "lead"),
         _missing_effects(diagnosis),
         unknown_section(diagnosis.unknown),
@@ -100,6 +122,13 @@ def report(diagnosis: Diagnosis, provenance: Mapping[str, str] | None = None) ->
         _repetition(diagnosis, provenance or {}),
     ]
     return page(title, parts)
+
+
+def _heading(heading: ReportHeading) -> str:
+    """Return object, author and date on one line, those that are given."""
+    given = {"Object": heading.object, "Author": heading.author, "Date": heading.date}
+    text = " \N{MIDDLE DOT} ".join(f"{name}: {value}" for name, value in given.items() if value)
+    return paragraph(text, "soft") if text else ""
 
 
 def _missing_effects(diagnosis: Diagnosis) -> str:

@@ -1,6 +1,5 @@
 """Flags of a command, derived from an options dataclass."""
 
-import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import Field, fields
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
@@ -9,6 +8,7 @@ import typer
 
 from modallab.core.errors import bounds, in_words
 from modallab.core.options import Options, OptionSpec
+from modallab_cli.keywords import with_annotations
 
 
 def with_flags(
@@ -28,21 +28,7 @@ def with_flags(
     names = options.specs().keys() - set(without)
     declared = [f for f in fields(options) if f.name in names]  # type: ignore[arg-type]
     flags = {f.name: _flag(hints[f.name], options.specs()[f.name], f) for f in declared}
-    signature = inspect.signature(command)
-    positional = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
-    keywords = [
-        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=flag)
-        for name, flag in flags.items()
-    ]
-
-    def run(**arguments: Any) -> None:
-        command(**arguments)
-
-    annotations = get_type_hints(command, include_extras=True)
-    run.__name__, run.__doc__ = command.__name__, command.__doc__
-    run.__signature__ = signature.replace(parameters=[*positional, *keywords])  # type: ignore[attr-defined]
-    run.__annotations__ = {name: annotations[name] for name in annotations if name != "flags"} | flags
-    return run
+    return with_annotations(command, flags)
 
 
 def _flag(hint: Any, spec: OptionSpec, declared: Field[Any]) -> Any:
@@ -84,7 +70,7 @@ def request_of(options: type[Options], flags: Mapping[str, Any]) -> dict[str, An
                 if nested is not None and len(value) == 1 and value[0] in choices
                 else _nested_values(name, nested, value)
                 if nested is not None
-                else [_pair(name, text) for text in value]
+                else [pair(name, text) for text in value]
                 if _is_sequence_of_pairs(hints[name])
                 else value
             )
@@ -143,7 +129,7 @@ def _is_sequence_of_pairs(hint: Any) -> bool:
     return any(get_origin(entry) is tuple for member in sequences for entry in get_args(member)[:1])
 
 
-def _pair(name: str, text: str) -> list[float]:
+def pair(name: str, text: str) -> list[float]:
     """Return the numbers of `lower:upper`."""
     numbers = [_number(part) for part in text.split(":")]
     found = [number for number in numbers if number is not None]
