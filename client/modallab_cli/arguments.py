@@ -2,11 +2,11 @@
 
 import json
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-import typer
+import click
 
 from modallab_client.errors import InvalidInputError
 
@@ -14,45 +14,51 @@ PICTURES = (".png", ".svg", ".pdf")
 FRF_FILES = (".uff", ".unv", ".npz", ".h5", ".hdf5", ".frf")
 MODE_FILES = (".uff", ".unv", ".json")
 
+READ = click.Path(exists=True, dir_okay=False, readable=True, path_type=Path)
+WRITTEN = click.Path(path_type=Path)
 
-def file_option(text: str, *names: str) -> Any:
-    """Return an option that names a file to read."""
-    return typer.Option(*names, exists=True, dir_okay=False, readable=True, help=text)
+Command = Callable[..., Any]
+Decorator = Callable[[Command], Command]
 
-
-def file_argument(text: str) -> Any:
-    """Return an argument that names a file to read."""
-    return typer.Argument(exists=True, dir_okay=False, readable=True, help=text)
-
-
-Model = Annotated[
-    Path,
-    file_option(
-        "The model: .json, a body of POST /v1/structures; Nastran bulk data; a mesh, with --mesh; matrices."
-    ),
-]
-MeshGroups = Annotated[
-    Path | None,
-    file_option("Of a mesh, JSON: sections, thicknesses and materials by group, supports, what is left out."),
-]
-Rig = Annotated[Path, file_option("The log book of the test: .json, a body of POST /v1/rigs.")]
-OptionalRig = Annotated[
-    Path | None, file_option("The log book of the test, as JSON; left out: what the file tells.")
-]
-Measured = Annotated[Path, file_argument("Measured FRFs: any format that an import takes.")]
-Averages = Annotated[
-    float | None, typer.Option(help="Effective averages; default: the file's, or else the rig's.")
-]
-Picture = Annotated[
-    Path | None, typer.Option("--plot", help="Write a picture of the result: .png, .svg or .pdf.")
-]
-AsJson = Annotated[bool, typer.Option("--json", help="Print the whole result as JSON.")]
-Server = Annotated[
-    str | None,
-    typer.Option(
-        help="Address of a lab, http://host:8000, whose key is MODALLAB_KEY; left out: this computer."
-    ),
-]
+model = click.option(
+    "--model",
+    required=True,
+    type=READ,
+    help="The model: .json, a body of POST /v1/structures; Nastran bulk data; a mesh, with --mesh; matrices.",
+)
+mesh = click.option(
+    "--mesh",
+    type=READ,
+    help="Of a mesh, JSON: sections, thicknesses and materials by group, supports, what is left out.",
+)
+rig = click.option(
+    "--rig", required=True, type=READ, help="The log book of the test: .json, a body of POST /v1/rigs."
+)
+optional_rig = click.option(
+    "--rig", type=READ, help="The log book of the test, as JSON; left out: what the file tells."
+)
+measured = click.argument("measured", type=READ)
+averages = click.option(
+    "--averages", type=float, help="Effective averages; default: the file's, or else the rig's."
+)
+bands = click.option(
+    "--bands", "--band", "bands", multiple=True, metavar="LOWER:UPPER", help="Band, Hz; may be repeated."
+)
+exclude = click.option(
+    "--exclude",
+    multiple=True,
+    metavar="LOWER:UPPER",
+    help="Band that is left out, Hz; may be repeated.",
+)
+picture = click.option(
+    "--plot", "picture", type=WRITTEN, help="Write a picture of the result: .png, .svg or .pdf."
+)
+as_json = click.option("--json", "as_json", is_flag=True, help="Print the whole result as JSON.")
+server = click.option(
+    "--server",
+    metavar="URL",
+    help="Address of a lab, http://host:8000, whose key is MODALLAB_KEY; left out: this computer.",
+)
 
 
 def check_output(path: Path | None, endings: Sequence[str], field: str) -> None:

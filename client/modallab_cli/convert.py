@@ -1,19 +1,14 @@
 """The command `modallab convert`."""
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-import typer
+import click
 
-from modallab_cli.arguments import (
-    FRF_FILES,
-    PICTURES,
-    Picture,
-    Server,
-    check_output,
-    file_argument,
-)
+from modallab_cli import arguments
+from modallab_cli.arguments import FRF_FILES, PICTURES, READ, WRITTEN, Decorator, check_output
 from modallab_cli.lab import lab_of, of_file, one_sentence_per_error
 from modallab_cli.outputs import check_pictures, draw, write_frfs
 from modallab_client import Measurement
@@ -24,37 +19,36 @@ _MAPPINGS = ("map", "columns", "variables")
 _UNUSED = ("exciter", "window")  # assumptions that no file tells
 
 
-def _each(name: str, text: str) -> Any:
-    return typer.Option(name, help=f"{text}; may be repeated.")
+def _each(option: str, name: str, text: str) -> Decorator:
+    return click.option(option, name, multiple=True, help=f"{text}; may be repeated.")
 
 
+@click.command()
+@click.argument("files", type=READ, nargs=-1, required=True)
+@click.argument("out", type=WRITTEN)
+@click.option("--unit", help="Unit of the FRFs in the files: g/N, (m/s^2)/lbf, mm/s/N.")
+@click.option("--scale", help='Factor to the unit, or else to SI: 9.81, or {"response": 9.81}.')
+@click.option("--kind", help="receptance, mobility or inertance, where nothing else tells it.")
+@_each("--map", "map", "DoF of a named point: wing_tip=12:+Z")
+@_each("--output", "outputs", "Response DoF, in the order of the files")
+@_each("--input", "inputs", "Force DoF, in the order of the files")
+@_each("--column", "columns", "Column of text: freq=1, real=Re")
+@_each("--variable", "variables", "Variable: freq=f, values=frf")
+@click.option("--averages", type=float, help="Effective averages.")
+@arguments.picture
+@arguments.server
 def convert(
-    files: Annotated[list[Path], file_argument("Files of one test: any format that an import takes.")],
-    out: Annotated[Path, typer.Argument(help="File to write: .uff, .npz, .h5 or .frf.")],
-    unit: Annotated[
-        str | None, typer.Option(help="Unit of the FRFs in the files: g/N, (m/s^2)/lbf, mm/s/N.")
-    ] = None,
-    scale: Annotated[
-        str | None, typer.Option(help='Factor to the unit, or else to SI: 9.81, or {"response": 9.81}.')
-    ] = None,
-    kind: Annotated[
-        str | None, typer.Option(help="receptance, mobility or inertance, where nothing else tells it.")
-    ] = None,
-    names: Annotated[list[str] | None, _each("--map", "DoF of a named point: wing_tip=12:+Z")] = None,
-    outputs: Annotated[list[str] | None, _each("--output", "Response DoF, in the order of the files")] = None,
-    inputs: Annotated[list[str] | None, _each("--input", "Force DoF, in the order of the files")] = None,
-    columns: Annotated[list[str] | None, _each("--column", "Column of text: freq=1, real=Re")] = None,
-    variables: Annotated[list[str] | None, _each("--variable", "Variable: freq=f, values=frf")] = None,
-    averages: Annotated[float | None, typer.Option(help="Effective averages.")] = None,
-    picture: Picture = None,
-    server: Server = None,
+    files: tuple[Path, ...],
+    out: Path,
+    averages: float | None,
+    picture: Path | None,
+    server: str | None,
+    **given: Any,
 ) -> None:
-    """Write the FRFs of one or more files of a test in another format, in SI units.
+    """Write the FRFs of one or more FILES of a test to OUT (.uff, .npz, .h5 or .frf), in SI units.
 
     Ends with 0, and with 2 if a file or an option is at fault.
     """
-    given = {"unit": unit, "scale": scale, "kind": kind, "map": names, "outputs": outputs}
-    given |= {"inputs": inputs, "columns": columns, "variables": variables}
     with one_sentence_per_error("convert"):
         check_output(out, FRF_FILES, "the file to write")
         check_output(picture, PICTURES, "--plot")
@@ -69,12 +63,12 @@ def convert(
             write_frfs(lab, test, out)
             assumed = [a for a in test.assumed if a.quantity not in _UNUSED]
             lines = [f"assumed {a.quantity}: {a.value} ({a.reason})" for a in assumed]
-            typer.echo("\n".join([f"{out}: {test.summary()}", *lines]))
+            click.echo("\n".join([f"{out}: {test.summary()}", *lines]))
             draw(test, picture)
 
 
 def _converted_here(
-    files: list[Path], out: Path, options: dict[str, Any], averages: float | None
+    files: Sequence[Path], out: Path, options: dict[str, Any], averages: float | None
 ) -> Measurement:
     """Convert without a lab; return the FRFs."""
     require_service()
@@ -83,7 +77,7 @@ def _converted_here(
     from modallab_cli.results import measurement_result
 
     measurement = convert_files(files, out, ReadingOptions(**options), averages)
-    typer.echo("\n".join(lines_about(measurement, out)))
+    click.echo("\n".join(lines_about(measurement, out)))
     return measurement_result(measurement)
 
 
@@ -95,7 +89,7 @@ def options_of(flags: dict[str, Any]) -> dict[str, Any]:
     InvalidInputError
         If a flag cannot be read.
     """
-    stated = {name: value for name, value in flags.items() if value not in (None, [])}
+    stated = {name: value for name, value in flags.items() if value not in (None, ())}
     options = {name: _mapping(name, value) if name in _MAPPINGS else value for name, value in stated.items()}
     if "scale" in options:
         options["scale"] = _scale(str(stated["scale"]))
@@ -112,7 +106,7 @@ def _scale(text: str) -> Any:
     return scale
 
 
-def _mapping(name: str, texts: list[str]) -> dict[str, Any]:
+def _mapping(name: str, texts: Sequence[str]) -> dict[str, Any]:
     """Return flags `name=value` as a mapping; values that several flags give one name, as a tuple."""
     mapping: dict[str, Any] = {}
     for text in texts:

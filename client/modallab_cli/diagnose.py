@@ -6,28 +6,20 @@ import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-import typer
+import click
 
 from modallab.diagnosis.options import DiagnosisOptions
-from modallab_cli.arguments import (
-    PICTURES,
-    AsJson,
-    Averages,
-    MeshGroups,
-    Model,
-    Picture,
-    Rig,
-    Server,
-    check_output,
-    file_option,
-)
-from modallab_cli.flags import request_of
+from modallab_cli import arguments
+from modallab_cli.arguments import PICTURES, READ, WRITTEN, check_output
+from modallab_cli.flags import request_of, with_options
 from modallab_cli.lab import ProgressLine, lab_of, measurement_of, one_sentence_per_error, structure_of
 from modallab_cli.outputs import check_pictures, draw
 from modallab_client import Diagnosis
 from modallab_client._embedded import require_service
+
+_HEADING = ("title", "object", "author", "date")
 
 
 @dataclass(frozen=True)
@@ -54,31 +46,43 @@ class _Outcome:
     result: Callable[[], Diagnosis]
 
 
+@click.command()
+@arguments.model
+@click.option(
+    "--measured",
+    required=True,
+    type=READ,
+    help="FRFs: universal file, npz, HDF5, or the thesis program's text.",
+)
+@arguments.rig
+@arguments.mesh
+@click.option("--report", type=WRITTEN, help="Write the report, one HTML page, to this file.")
+@click.option("--title", help="Title of the report.")
+@click.option("--object", help="Object that was tested, for the report.")
+@click.option("--author", help="Author, for the report.")
+@click.option("--date", help="Date, for the report.")
+@arguments.averages
+@arguments.picture
+@arguments.as_json
+@arguments.server
+@with_options(DiagnosisOptions, without=("act",))  # files have no rig that could run the proposed tests
 def diagnose(
-    model: Model,
-    measured: Annotated[Path, file_option("FRFs: universal file, npz, HDF5, or the thesis program's text.")],
-    rig: Rig,
-    mesh: MeshGroups = None,
-    report: Annotated[
-        Path | None, typer.Option(help="Write the report, one HTML page, to this file.")
-    ] = None,
-    title: Annotated[str | None, typer.Option(help="Title of the report.")] = None,
-    object_: Annotated[
-        str | None, typer.Option("--object", help="Object that was tested, for the report.")
-    ] = None,
-    author: Annotated[str | None, typer.Option(help="Author, for the report.")] = None,
-    date: Annotated[str | None, typer.Option(help="Date, for the report.")] = None,
-    averages: Averages = None,
-    picture: Picture = None,
-    as_json: AsJson = False,
-    server: Server = None,
+    model: Path,
+    measured: Path,
+    rig: Path,
+    mesh: Path | None,
+    report: Path | None,
+    averages: float | None,
+    picture: Path | None,
+    as_json: bool,
+    server: str | None,
     **flags: Any,
 ) -> None:
     """Say what a model or a log book lacks to explain measured FRFs: what, where, how much, how sure.
 
     Ends with 0 whatever the verdict, and with 2 if a file or an option is at fault.
     """
-    heading = {"title": title, "object": object_, "author": author, "date": date}
+    heading = {name: flags.pop(name) for name in _HEADING}
     stated = {name: text for name, text in heading.items() if text is not None}
     request = request_of(DiagnosisOptions, flags)
     inputs = _Inputs(model, measured, rig, mesh, averages, request, stated)
@@ -88,10 +92,10 @@ def diagnose(
         check_pictures(picture)
         with ProgressLine() as progress:
             outcome = _here(inputs, progress) if server is None else _at(server, inputs, progress)
-        typer.echo(outcome.reply if as_json else outcome.words)
+        click.echo(outcome.reply if as_json else outcome.words)
         if report is not None:
             report.write_text(outcome.page(), encoding="utf-8")
-            typer.echo(f"The report: {report.resolve()}", err=as_json)
+            click.echo(f"The report: {report.resolve()}", err=as_json)
         if picture is not None:
             draw(outcome.result(), picture)
 

@@ -1,60 +1,53 @@
 """The command `modallab extract`."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-import typer
+import click
 
-from modallab_cli.arguments import (
-    MODE_FILES,
-    PICTURES,
-    AsJson,
-    Averages,
-    Measured,
-    OptionalRig,
-    Picture,
-    Server,
-    check_output,
-)
+from modallab_cli import arguments
+from modallab_cli.arguments import MODE_FILES, PICTURES, WRITTEN, check_output
 from modallab_cli.flags import pair
-from modallab_cli.keywords import keywords_of
+from modallab_cli.keywords import keywords_of, with_keywords
 from modallab_cli.lab import ProgressLine, lab_of, measurement_of, one_sentence_per_error
 from modallab_cli.outputs import check_pictures, draw, print_reply, write_modes
 from modallab_client.options import ExtractionOptions
 
-Bands = Annotated[
-    list[str] | None,
-    typer.Option("--bands", "--band", help="lower:upper in Hz, one mode each; of a global method more."),
-]
-Excluded = Annotated[
-    list[str] | None, typer.Option("--exclude", help="lower:upper in Hz whose lines are left out.")
-]
 
-
+@click.command()
+@arguments.measured
+@click.option("--out", type=WRITTEN, help="Write the modes: .uff, or .json as POST /v1/modal-models/import.")
+@arguments.optional_rig
+@arguments.averages
+@click.option("--method", help="Extraction method; left out: by the number of force DoFs.")
+@click.option("--n-modes", type=int, help="Number of modes; left out: all that stand out.")
+@arguments.bands
+@arguments.exclude
+@click.option(
+    "--correct-window-damping",
+    is_flag=True,
+    help="Take what an exponential window added out of the loss factors.",
+)
+@arguments.picture
+@arguments.as_json
+@arguments.server
+@with_keywords(ExtractionOptions)
 def extract(
-    measured: Measured,
-    out: Annotated[
-        Path | None, typer.Option(help="Write the modes: .uff, or .json as POST /v1/modal-models/import.")
-    ] = None,
-    rig: OptionalRig = None,
-    averages: Averages = None,
-    method: Annotated[
-        str | None, typer.Option(help="Extraction method; left out: by the number of force DoFs.")
-    ] = None,
-    n_modes: Annotated[
-        int | None, typer.Option(help="Number of modes; left out: all that stand out.")
-    ] = None,
-    bands: Bands = None,
-    exclude: Excluded = None,
-    correct_window_damping: Annotated[
-        bool, typer.Option(help="Take what an exponential window added out of the loss factors.")
-    ] = False,
-    picture: Picture = None,
-    as_json: AsJson = False,
-    server: Server = None,
+    measured: Path,
+    out: Path | None,
+    rig: Path | None,
+    averages: float | None,
+    method: str | None,
+    n_modes: int | None,
+    bands: tuple[str, ...],
+    exclude: tuple[str, ...],
+    correct_window_damping: bool,
+    picture: Path | None,
+    as_json: bool,
+    server: str | None,
     **flags: Any,
 ) -> None:
-    """Read natural frequencies, loss factors and mode shapes from measured FRFs.
+    """Read natural frequencies, loss factors and mode shapes from the FRFs of the file MEASURED.
 
     Ends with 0, and with 2 if a file or an option is at fault.
     """
@@ -64,8 +57,8 @@ def extract(
         check_pictures(picture)
         keywords: Any = keywords_of(ExtractionOptions, flags)
         lines: dict[str, Any] = {
-            "bands": [pair("bands", text) for text in bands or ()] or "auto",
-            "exclude": [pair("exclude", text) for text in exclude or ()],
+            "bands": [pair("bands", text) for text in bands] or "auto",
+            "exclude": [pair("exclude", text) for text in exclude],
         }
         with lab_of(server) as lab, ProgressLine() as progress:
             test = measurement_of(lab, measured, rig, averages)
@@ -83,5 +76,5 @@ def extract(
             if as_json:
                 print_reply(lab, f"/v1/modal-models/{modes.id}", stays=server is not None)
             else:
-                typer.echo(f"{modes.table()}\n\n{modes.summary()}")
+                click.echo(f"{modes.table()}\n\n{modes.summary()}")
             draw(modes, picture)

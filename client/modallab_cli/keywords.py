@@ -1,23 +1,21 @@
 """Flags of a command, derived from the keywords of a job in `modallab_client.options`."""
 
-import inspect
 import json
 from collections import abc
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from types import NoneType, UnionType
-from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
+from typing import Any, Union, get_args, get_origin, get_type_hints
 
-import typer
+import click
 
+from modallab_cli.arguments import Command, Decorator
 from modallab_client.errors import InvalidInputError
 
 _PLAIN = (bool, int, float, str)
 
 
-def with_keywords(
-    command: Callable[..., None], keywords: type, *, without: Sequence[str] = ()
-) -> Callable[..., None]:
-    """Return a command that takes each keyword of a job as a flag, in place of its own `**flags`.
+def with_keywords(keywords: type, *, without: Sequence[str] = ()) -> Decorator:
+    """Return a decorator that gives a command each keyword of a job as a flag, for its own `**flags`.
 
     Parameters
     ----------
@@ -27,27 +25,18 @@ def with_keywords(
         Keywords that the command does not have.
     """
     hints = {name: hint for name, hint in _hints(keywords).items() if name not in without}
-    flags = {name: _flag(name, hint) for name, hint in hints.items()}
-    return with_annotations(command, flags)
+    return with_flags([_flag(name, hint) for name, hint in hints.items()])
 
 
-def with_annotations(command: Callable[..., None], flags: Mapping[str, Any]) -> Callable[..., None]:
-    """Return a command with these flags, by name and annotation, in place of its keywords `**flags`."""
-    signature = inspect.signature(command)
-    positional = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
-    added = [
-        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=flag)
-        for name, flag in flags.items()
-    ]
+def with_flags(flags: Sequence[Decorator]) -> Decorator:
+    """Return a decorator that gives a command flags, in their order."""
 
-    def run(**arguments: Any) -> None:
-        command(**arguments)
+    def decorate(command: Command) -> Command:
+        for flag in reversed(flags):
+            command = flag(command)
+        return command
 
-    annotations = get_type_hints(command, include_extras=True)
-    run.__name__, run.__doc__ = command.__name__, command.__doc__
-    run.__signature__ = signature.replace(parameters=[*positional, *added])  # type: ignore[attr-defined]
-    run.__annotations__ = {name: annotations[name] for name in annotations if name != "flags"} | dict(flags)
-    return run
+    return decorate
 
 
 def keywords_of(keywords: type, flags: Mapping[str, Any]) -> dict[str, Any]:
@@ -60,7 +49,7 @@ def keywords_of(keywords: type, flags: Mapping[str, Any]) -> dict[str, Any]:
     """
     hints = _hints(keywords)
     return {
-        name: _value(name, hints[name], value) for name, value in flags.items() if value not in (None, [])
+        name: _value(name, hints[name], value) for name, value in flags.items() if value not in (None, ())
     }
 
 
@@ -68,8 +57,8 @@ def _hints(keywords: type) -> dict[str, Any]:
     return get_type_hints(keywords, include_extras=True)
 
 
-def _flag(name: str, hint: Any) -> Any:
-    """Return the annotation of a flag: its type, its names and its help."""
+def _flag(name: str, hint: Any) -> Decorator:
+    """Return a flag with its type and help."""
     described, *texts = get_args(hint)
     repeated = _items(described) is not None
     long = f"--{name.replace('_', '-')}"
@@ -77,7 +66,10 @@ def _flag(name: str, hint: Any) -> Any:
     notes = ["may be repeated"] if repeated else []
     notes += ["JSON"] if _is_json(described) else []
     text = f"{texts[0]} ({'; '.join(notes)})" if notes else texts[0]
-    return Annotated[(list[str] if repeated else _plain(described)) | None, typer.Option(*names, help=text)]
+    kind = str if repeated else _plain(described)
+    if kind is bool:
+        return click.option(f"{long}/{long.replace('--', '--no-')}", name, default=None, help=text)
+    return click.option(*names, name, type=kind, multiple=repeated, help=text)
 
 
 def _value(name: str, hint: Any, value: Any) -> Any:
@@ -85,7 +77,7 @@ def _value(name: str, hint: Any, value: Any) -> Any:
     if not _is_json(described):
         return value
     try:
-        return [json.loads(text) for text in value] if isinstance(value, list) else _name_or_json(value)
+        return [json.loads(text) for text in value] if isinstance(value, tuple) else _name_or_json(value)
     except ValueError:
         raise InvalidInputError(f"--{name.replace('_', '-')}: not JSON: {value}") from None
 

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-import typer
+import click
 
 from modallab.core.errors import ModalLabError, sentence
 from modallab_cli.arguments import read_object
@@ -42,10 +42,10 @@ def one_sentence_per_error(command: str) -> Iterator[None]:
             raise fault(command, str(error)) from None
 
 
-def fault(command: str, words: str) -> typer.Exit:
+def fault(command: str, words: str) -> click.exceptions.Exit:
     """Return the end of a command that failed, after one sentence on stderr."""
-    typer.echo(f"modallab {command}: {words}", err=True)
-    return typer.Exit(2)
+    click.echo(f"modallab {command}: {words}", err=True)
+    return click.exceptions.Exit(2)
 
 
 def _without_numerics(error: MissingExtraError) -> str:
@@ -55,7 +55,7 @@ def _without_numerics(error: MissingExtraError) -> str:
 
 
 def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
-    typer.echo(f"warning: {message}", err=True)
+    click.echo(f"warning: {message}", err=True)
 
 
 class ProgressLine:

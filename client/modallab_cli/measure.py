@@ -1,35 +1,35 @@
 """The command `modallab measure`."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-import typer
+import click
 
-from modallab_cli.arguments import (
-    FRF_FILES,
-    PICTURES,
-    AsJson,
-    MeshGroups,
-    Model,
-    Picture,
-    Rig,
-    Server,
-    check_output,
-)
-from modallab_cli.keywords import keywords_of
+from modallab_cli import arguments
+from modallab_cli.arguments import FRF_FILES, PICTURES, WRITTEN, check_output
+from modallab_cli.keywords import keywords_of, with_keywords
 from modallab_cli.lab import ProgressLine, lab_of, one_sentence_per_error, rig_id_of, structure_of
 from modallab_cli.outputs import check_pictures, draw, print_reply, write_frfs
 from modallab_client.options import MeasurementOptions
 
 
+@click.command()
+@arguments.model
+@arguments.rig
+@click.option("--out", required=True, type=WRITTEN, help="File to write: .uff, .npz, .h5 or .frf.")
+@arguments.mesh
+@arguments.picture
+@arguments.as_json
+@arguments.server
+@with_keywords(MeasurementOptions)
 def measure(
-    model: Model,
-    rig: Rig,
-    out: Annotated[Path, typer.Option(help="File to write: .uff, .npz, .h5 or .frf.")],
-    mesh: MeshGroups = None,
-    picture: Picture = None,
-    as_json: AsJson = False,
-    server: Server = None,
+    model: Path,
+    rig: Path,
+    out: Path,
+    mesh: Path | None,
+    picture: Path | None,
+    as_json: bool,
+    server: str | None,
     **flags: Any,
 ) -> None:
     """Measure a structure on the virtual rig, and write the FRFs.
@@ -48,5 +48,5 @@ def measure(
             if as_json:
                 print_reply(lab, f"/v1/measurements/{test.id}", stays=server is not None)
             else:
-                typer.echo(f"{out}: {test.summary()}")
+                click.echo(f"{out}: {test.summary()}")
             draw(test, picture)

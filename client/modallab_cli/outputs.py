@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-import typer
+import click
 
 from modallab_client import Measurement, ModalLab, ModalModel
 from modallab_client.errors import MissingExtraError
@@ -18,7 +18,7 @@ def print_reply(lab: ModalLab, path: str, *, stays: bool) -> None:
     """Print the reply of the lab as JSON, without ids where the lab ends with the command."""
     reply: Mapping[str, Any] = lab.request("GET", path)
     kept = {name: value for name, value in reply.items() if stays or name not in _PASSING}
-    typer.echo(json.dumps(kept, indent=2, ensure_ascii=False))
+    click.echo(json.dumps(kept, indent=2, ensure_ascii=False))
 
 
 def check_pictures(picture: Path | None) -> None:
@@ -39,7 +39,7 @@ def draw(result: Any, picture: Path | None) -> None:
     axes = result.plot()
     first = axes[0] if isinstance(axes, tuple) else axes
     first.figure.savefig(picture, dpi=150)
-    typer.echo(f"The picture: {picture.resolve()}", err=True)
+    click.echo(f"The picture: {picture.resolve()}", err=True)
 
 
 def write_frfs(lab: ModalLab, test: Measurement, out: Path) -> None:

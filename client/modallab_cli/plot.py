@@ -2,18 +2,11 @@
 
 import re
 from pathlib import Path
-from typing import Annotated
 
-import typer
+import click
 
-from modallab_cli.arguments import (
-    PICTURES,
-    Averages,
-    Measured,
-    OptionalRig,
-    Server,
-    check_output,
-)
+from modallab_cli import arguments
+from modallab_cli.arguments import PICTURES, READ, WRITTEN, check_output
 from modallab_cli.lab import lab_of, measurement_of, modes_of, one_sentence_per_error
 from modallab_cli.outputs import check_pictures, draw
 from modallab_client.errors import InvalidInputError
@@ -23,15 +16,17 @@ _DATASET = re.compile(rb"^ {4}-1\s*?\n\s*(\d+)b?\b", re.MULTILINE)
 _FRFS, _MODES = b"58", b"55"
 
 
+@click.command()
+@click.argument("file", type=READ)
+@click.argument("out", type=WRITTEN)
+@arguments.optional_rig
+@arguments.averages
+@click.option("--kind", help="Of FRFs: receptance, mobility or inertance.")
+@arguments.server
 def plot(
-    file: Measured,
-    out: Annotated[Path, typer.Argument(help="Picture to write: .png, .svg or .pdf.")],
-    rig: OptionalRig = None,
-    averages: Averages = None,
-    kind: Annotated[str | None, typer.Option(help="Of FRFs: receptance, mobility or inertance.")] = None,
-    server: Server = None,
+    file: Path, out: Path, rig: Path | None, averages: float | None, kind: str | None, server: str | None
 ) -> None:
-    """Draw measured FRFs with their coherence, or modes: frequency and loss factor.
+    """Draw FILE, FRFs with their coherence or modes, into the picture OUT (.png, .svg or .pdf).
 
     Ends with 0, and with 2 if a file or an option is at fault.
     """
@@ -44,12 +39,12 @@ def plot(
         with lab_of(server) as lab:
             if modes:
                 model = modes_of(lab, file)
-                typer.echo(model.summary())
+                click.echo(model.summary())
                 draw(model, out)
                 return
             test = measurement_of(lab, file, rig, averages)
             test = test if kind is None else lab.measurements.get(test.id, kind=kind)
-            typer.echo(test.summary())
+            click.echo(test.summary())
             draw(test, out)
 
 

@@ -5,17 +5,16 @@ import sqlite3
 import subprocess
 import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-import typer
+import click
 
-Data = Annotated[Path | None, typer.Option(help="Folder for arrays and the embedded database.")]
-Host = Annotated[str | None, typer.Option(help="Address to listen on.")]
-Port = Annotated[int | None, typer.Option(help="Port to listen on.")]
-Role = Annotated[str | None, typer.Option(help="`all`, or `api`: leave the jobs to `modallab worker`.")]
-Executor = Annotated[
-    str | None, typer.Option(help="A name among the processes that run jobs; else from host and process.")
-]
+from modallab_cli.arguments import WRITTEN
+
+data = click.option("--data", type=WRITTEN, help="Folder for arrays and the embedded database.")
+executor_id = click.option(
+    "--executor-id", help="A name among the processes that run jobs; else from host and process."
+)
 
 
 def _settings(**overrides: Any) -> Any:
@@ -27,7 +26,7 @@ def _settings(**overrides: Any) -> Any:
         return ServiceSettings(**{name: value for name, value in overrides.items() if value is not None})
     except ValidationError as error:
         fault = error.errors()[0]
-        raise typer.BadParameter(f"{'.'.join(map(str, fault['loc']))}: {fault['msg']}") from None
+        raise click.BadParameter(f"{'.'.join(map(str, fault['loc']))}: {fault['msg']}") from None
 
 
 def _lock(folder: Path) -> sqlite3.Connection:
@@ -37,13 +36,13 @@ def _lock(folder: Path) -> sqlite3.Connection:
     try:
         lock.execute("BEGIN EXCLUSIVE")
     except sqlite3.OperationalError:
-        raise typer.BadParameter(f"another service works in {folder}", param_hint="--data") from None
+        raise click.BadParameter(f"another service works in {folder}", param_hint="--data") from None
     return lock
 
 
 def _need_postgresql(settings: Any) -> None:
     if settings.embedded:
-        raise typer.BadParameter("several processes share a PostgreSQL: set MODALLAB_DATABASE_URL")
+        raise click.BadParameter("several processes share a PostgreSQL: set MODALLAB_DATABASE_URL")
 
 
 def _prepare(settings: Any) -> None:
@@ -51,15 +50,15 @@ def _prepare(settings: Any) -> None:
     settings.job_place.prepare()
 
 
-def serve(
-    data: Data = None,
-    host: Host = None,
-    port: Port = None,
-    role: Role = None,
-    executor_id: Executor = None,
-) -> None:
+@click.command()
+@data
+@click.option("--host", help="Address to listen on.")
+@click.option("--port", type=int, help="Port to listen on.")
+@click.option("--role", help="`all`, or `api`: leave the jobs to `modallab worker`.")
+@executor_id
+def serve(**options: Any) -> None:
     """Answer requests and, unless the role is `api`, run jobs."""
-    settings = _settings(data=data, host=host, port=port, role=role, executor_id=executor_id)
+    settings = _settings(**options)
     if settings.role == "api":
         _need_postgresql(settings)
     import uvicorn
@@ -82,7 +81,10 @@ def serve(
     del lock
 
 
-def worker(data: Data = None, executor_id: Executor = None) -> None:
+@click.command()
+@data
+@executor_id
+def worker(data: Path | None, executor_id: str | None) -> None:
     """Run jobs, and answer no requests."""
     settings = _settings(data=data, executor_id=executor_id, role="all")
     _need_postgresql(settings)
@@ -103,19 +105,27 @@ def worker(data: Data = None, executor_id: Executor = None) -> None:
     try:
         anyio.run(work)
     except ExecutorTakenError as error:
-        raise typer.BadParameter(str(error), param_hint="--executor-id") from None
+        raise click.BadParameter(str(error), param_hint="--executor-id") from None
 
 
-def init(data: Data = None) -> None:
+@click.command()
+@data
+def init(data: Path | None) -> None:
     """Create the tables, or bring them up to date: once before the service is started or upgraded."""
     _prepare(_settings(data=data))
 
 
-def demo(
-    seed: Annotated[int, typer.Option(min=0, help="Draws the noise and the hidden effect.")] = 4,
-    out: Annotated[Path, typer.Option(help="Folder for the page.")] = Path("demo-out"),
-) -> None:
+@click.command()
+@click.option(
+    "--seed",
+    type=click.IntRange(0),
+    default=4,
+    show_default=True,
+    help="Of noise and hidden effect.",
+)
+@click.option("--out", type=WRITTEN, default="demo-out", show_default=True, help="Folder for the page.")
+def demo(seed: int, out: Path) -> None:
     """Measure, update and diagnose the beam of the 1992 thesis, over HTTP with a service of its own."""
     # A program of its own: it is a client, and meets the service on the wire only.
     command = [sys.executable, "-m", "modallab_client.demo", "--seed", str(seed), "--out", str(out)]
-    raise typer.Exit(subprocess.call(command))
+    raise click.exceptions.Exit(subprocess.call(command))

@@ -2,25 +2,14 @@
 
 import json
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-import typer
+import click
 
-from modallab_cli.arguments import (
-    PICTURES,
-    AsJson,
-    Averages,
-    MeshGroups,
-    Model,
-    OptionalRig,
-    Picture,
-    Server,
-    check_output,
-    file_option,
-)
-from modallab_cli.extract import Excluded
+from modallab_cli import arguments
+from modallab_cli.arguments import PICTURES, READ, WRITTEN, check_output
 from modallab_cli.flags import pair
-from modallab_cli.keywords import keywords_of
+from modallab_cli.keywords import keywords_of, with_keywords
 from modallab_cli.lab import (
     ProgressLine,
     lab_of,
@@ -33,40 +22,43 @@ from modallab_cli.outputs import check_pictures, draw, print_reply
 from modallab_client.errors import InvalidInputError
 from modallab_client.options import UpdateOptions
 
+_OF_THE_REQUEST = ("parts", "lower", "upper", "macros", "bands", "exclude", "noise_floor")
 
+
+@click.command()
+@arguments.model
+@click.option("--modes", type=READ, help="Measured modes: universal file (55) or JSON of `modallab extract`.")
+@click.option("--measured", type=READ, help="In place of modes, for a method that takes FRFs: measured FRFs.")
+@arguments.optional_rig
+@arguments.averages
+@arguments.mesh
+@click.option("--method", default="inverse_eigensensitivity", show_default=True, help="Updating method.")
+@click.option("--macros", help="auto, each, or JSON: lists of members, names of groups, a rule.")
+@click.option(
+    "--parts", "--part", "parts", multiple=True, help="mass, stiffness, damping, modulus; may be repeated."
+)
+@click.option("--lower", type=float, help="Lower bound of every coefficient.")
+@click.option("--upper", type=float, help="Upper bound of every coefficient.")
+@arguments.bands
+@arguments.exclude
+@click.option("--noise-floor", type=float, help="Relative random error of FRFs beside what coherence tells.")
+@click.option("--out", type=WRITTEN, help="Write the whole result: .json.")
+@arguments.picture
+@arguments.as_json
+@arguments.server
+@with_keywords(UpdateOptions)
 def update(
-    model: Model,
-    modes: Annotated[
-        Path | None, file_option("Measured modes: universal file (55) or the JSON of `modallab extract`.")
-    ] = None,
-    measured: Annotated[
-        Path | None, file_option("In place of modes, for a method that takes FRFs: measured FRFs.")
-    ] = None,
-    rig: OptionalRig = None,
-    averages: Averages = None,
-    mesh: MeshGroups = None,
-    method: Annotated[str, typer.Option(help="Updating method.")] = "inverse_eigensensitivity",
-    macros: Annotated[
-        str | None,
-        typer.Option(help="Macro elements: auto, each, or JSON: lists of members, names of groups, a rule."),
-    ] = None,
-    parts: Annotated[
-        list[str] | None,
-        typer.Option("--parts", "--part", help="mass, stiffness, damping, modulus ...; may be repeated."),
-    ] = None,
-    lower: Annotated[float | None, typer.Option(help="Lower bound of every coefficient.")] = None,
-    upper: Annotated[float | None, typer.Option(help="Upper bound of every coefficient.")] = None,
-    bands: Annotated[
-        list[str] | None, typer.Option("--bands", "--band", help="lower:upper in Hz of FRFs that count.")
-    ] = None,
-    exclude: Excluded = None,
-    noise_floor: Annotated[
-        float | None, typer.Option(help="Relative random error of every FRF beside what coherence tells.")
-    ] = None,
-    out: Annotated[Path | None, typer.Option(help="Write the whole result: .json.")] = None,
-    picture: Picture = None,
-    as_json: AsJson = False,
-    server: Server = None,
+    model: Path,
+    modes: Path | None,
+    measured: Path | None,
+    rig: Path | None,
+    averages: float | None,
+    mesh: Path | None,
+    method: str,
+    out: Path | None,
+    picture: Path | None,
+    as_json: bool,
+    server: str | None,
     **flags: Any,
 ) -> None:
     """Correct a model until its modes, or its FRFs, are the measured ones.
@@ -79,18 +71,7 @@ def update(
         check_pictures(picture)
         if (modes is None) == (measured is None):
             raise InvalidInputError("an update takes either --modes or --measured")
-        keywords: Any = keywords_of(UpdateOptions, flags)
-        coefficients: dict[str, Any] = {
-            "parts": parts or None,
-            "lower": lower,
-            "upper": upper,
-            "macros": _macros(macros),
-        }
-        lines: dict[str, Any] = {
-            "bands": [pair("bands", text) for text in bands or ()] or None,
-            "exclude": [pair("exclude", text) for text in exclude or ()],
-            "noise_floor": noise_floor,
-        }
+        keywords = _keywords(flags)
         with lab_of(server) as lab, ProgressLine() as progress:
             structure = structure_of(lab, model, mesh)
             sources: dict[str, Any] = {
@@ -99,9 +80,7 @@ def update(
                 if measured is None
                 else measurement_of(lab, measured, rig, averages).id,
             }
-            job = lab.updates.start(
-                structure.id, method=method, **sources, **coefficients, **lines, **keywords
-            )
+            job = lab.updates.start(structure.id, method=method, **sources, **keywords)
             result = job.result(progress)
             path = f"/v1/updates/{result.id}"
             if out is not None:
@@ -109,8 +88,22 @@ def update(
             if as_json:
                 print_reply(lab, path, stays=server is not None)
             else:
-                typer.echo(f"{result.table()}\n\n{result.summary()}")
+                click.echo(f"{result.table()}\n\n{result.summary()}")
             draw(result, picture)
+
+
+def _keywords(flags: dict[str, Any]) -> dict[str, Any]:
+    """Return the keywords of the job that flags state."""
+    options = {name: value for name, value in flags.items() if name not in _OF_THE_REQUEST}
+    return keywords_of(UpdateOptions, options) | {
+        "parts": list(flags["parts"]) or None,
+        "lower": flags["lower"],
+        "upper": flags["upper"],
+        "macros": _macros(flags["macros"]),
+        "bands": [pair("bands", text) for text in flags["bands"]] or None,
+        "exclude": [pair("exclude", text) for text in flags["exclude"]],
+        "noise_floor": flags["noise_floor"],
+    }
 
 
 def _macros(text: str | None) -> Any:

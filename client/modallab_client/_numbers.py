@@ -35,11 +35,11 @@ def rounded(value: float, error: float | None, *, least: int = 4) -> str:
 
 
 def gap(value: float) -> str:
-    """Return a gap, whose own scatter leaves two or three digits: `0.983`, `812`, `3.6e10`."""
+    """Return a gap, whose own scatter leaves two or three digits: `1.00`, `812`, `3.6e10`."""
     if value >= 1e4:
         mantissa, power = f"{value:.1e}".split("e")
         return f"{mantissa}e{int(power)}"
-    return f"{value:.0f}" if value >= 100 else f"{value:.3g}"
+    return f"{value:.0f}" if value >= 100 else f"{value:#.3g}"
 
 
 def _last_digits(error: float) -> tuple[int, int]:

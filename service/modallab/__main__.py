@@ -12,7 +12,7 @@ def main() -> None:
     # Here and not above: worker processes load this file too, and need none of it.
     from modallab_cli.app import app
 
-    app()
+    app(prog_name="modallab")
 
 
 if __name__ == "__main__":

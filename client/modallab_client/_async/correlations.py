@@ -5,9 +5,9 @@ from typing import Any
 
 from modallab_client import _wire
 from modallab_client._async.shelf import AsyncShelf
-from modallab_client.identified import Identified, id_of
 from modallab_client.methods.correlations import correlation_of
 from modallab_client.results import Correlation
+from modallab_client.stored import Identified, id_of
 
 
 class AsyncCorrelations(AsyncShelf):

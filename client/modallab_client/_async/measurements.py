@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from modallab_client import _wire
 from modallab_client._async.jobs import AsyncJob
 from modallab_client._async.shelf import AsyncShelf
-from modallab_client.identified import Identified, id_of
+from modallab_client._plausibility import warned
 from modallab_client.methods.measurements import measurement_of
 from modallab_client.options import MeasurementOptions
 from modallab_client.results import (
@@ -20,6 +20,7 @@ from modallab_client.results import (
     ReciprocityCheck,
     Truth,
 )
+from modallab_client.stored import Identified, id_of
 from modallab_client.uploads import UploadOptions, upload_files, upload_form
 
 JsonObject = Mapping[str, Any]
@@ -51,7 +52,7 @@ class AsyncMeasurements(AsyncShelf):
         body = {"structure_id": id_of(structure_id), "rig_id": id_of(rig_id), "effects": effects}
         defaults = {"route": "sampled", "seed": 0}
         job = await self._transport.request("POST", self.path, json=body | defaults | given)
-        return AsyncJob(job["id"], self._transport, self.get)
+        return AsyncJob(job["id"], self._transport, self._made)
 
     async def upload(
         self,
@@ -84,7 +85,7 @@ class AsyncMeasurements(AsyncShelf):
         reply = await self._transport.request(
             "POST", "/v1/measurements/import", files=upload_files(file), data=data
         )
-        return await self.get(reply["id"])
+        return await self._made(reply["id"])
 
     async def import_npz(
         self,
@@ -122,6 +123,10 @@ class AsyncMeasurements(AsyncShelf):
             f"/v1/measurements/{id_of(measurement_id)}/arrays", _wire.body(kind=kind)
         )
         return _wire.read(measurement_of, about, arrays)
+
+    async def _made(self, measurement_id: str) -> Measurement:
+        """Return a new measurement, and warn of what looks like a slip."""
+        return warned(await self.get(measurement_id))
 
     async def curves(
         self, measurement_id: Identified, points: int = 800, *, kind: str | None = None

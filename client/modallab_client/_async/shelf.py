@@ -4,8 +4,8 @@ from typing import ClassVar
 
 from modallab_client import _wire
 from modallab_client._async.transport import AsyncTransport
-from modallab_client.identified import Identified, id_of
 from modallab_client.results import StoredEntry
+from modallab_client.stored import Identified, id_of
 
 
 class AsyncShelf:

@@ -6,10 +6,11 @@ from typing import Any
 from modallab_client import _wire, _wire_correlation
 from modallab_client._async.described import AsyncDescribed
 from modallab_client._async.modal_models import AsyncModalModels
+from modallab_client._plausibility import warned
 from modallab_client.correlation import Expansion, ReducedModel
-from modallab_client.identified import Identified, id_of
 from modallab_client.models import Frf, ModeShapes
 from modallab_client.results import ModalModel, Structure, StructureModes
+from modallab_client.stored import Identified, id_of
 
 JsonObject = Mapping[str, Any]
 
@@ -49,7 +50,7 @@ class AsyncStructures(AsyncDescribed):
         change = location | _wire.body(property=property, factor=factor, value=value)
         body = {"changes": [*changes, change] if change else list(changes)}
         path = f"/v1/structures/{id_of(structure_id)}/changes"
-        return _wire.reply(Structure, await self._transport.request("POST", path, json=body))
+        return warned(_wire.reply(Structure, await self._transport.request("POST", path, json=body)))
 
     async def get(self, structure_id: Identified) -> Structure:
         """Return a structure."""

@@ -7,9 +7,9 @@ from modallab_client import _wire
 from modallab_client._async.jobs import AsyncJob
 from modallab_client._async.shelf import AsyncShelf
 from modallab_client._read import read_as
-from modallab_client.identified import Identified, id_of
 from modallab_client.methods.studies import StudyCoefficients, study_coefficients
 from modallab_client.results import Study
+from modallab_client.stored import Identified, id_of
 
 
 class AsyncStudies(AsyncShelf):

@@ -844,6 +844,18 @@ class RigSetup:
     """Elastic suspension of the structure."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class PhysicsWarning:
+    """What is surely a slip of a unit or a setting, although it can be computed with."""
+
+    code: str
+    """Name of the rule."""
+    field: str
+    """Field of the request that is probably wrong."""
+    message: str
+    """What is unusual and what it suggests, for readers."""
+
+
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Measurement(MeasurementMethods):
     """FRFs with coherence and auto spectra, and the rig as declared."""
@@ -888,6 +900,8 @@ class Measurement(MeasurementMethods):
     """seed of its random numbers; null where there are none"""
     version: str
     """version of the service that made it"""
+    warnings: tuple[PhysicsWarning, ...]
+    """What is surely a slip of a unit or a setting."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -1292,6 +1306,8 @@ class Rig:
     """Elastic suspension of the structure."""
     version: str
     """version of the service that made it"""
+    warnings: tuple[PhysicsWarning, ...]
+    """What is surely a slip of a unit or a setting."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -1344,6 +1360,8 @@ class Structure:
     """seed of its random numbers; null where there are none"""
     version: str
     """version of the service that made it"""
+    warnings: tuple[PhysicsWarning, ...]
+    """What is surely a slip of a unit or a setting."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,10 +8,10 @@ from modallab_client import _wire
 from modallab_client._read import read_as
 from modallab_client._sync.jobs import Job
 from modallab_client._sync.shelf import Shelf
-from modallab_client.identified import Identified, id_of
 from modallab_client.methods.diagnoses import DiagnosisCurves, diagnosis_curves
 from modallab_client.options import DiagnosisOptions
 from modallab_client.results import Adoption, Diagnosis
+from modallab_client.stored import Identified, id_of
 
 
 class Diagnoses(Shelf):

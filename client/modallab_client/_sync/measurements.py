@@ -7,9 +7,9 @@ from typing import Any, Unpack
 from numpy.typing import ArrayLike
 
 from modallab_client import _wire
+from modallab_client._plausibility import warned
 from modallab_client._sync.jobs import Job
 from modallab_client._sync.shelf import Shelf
-from modallab_client.identified import Identified, id_of
 from modallab_client.methods.measurements import measurement_of
 from modallab_client.options import MeasurementOptions
 from modallab_client.results import (
@@ -20,6 +20,7 @@ from modallab_client.results import (
     ReciprocityCheck,
     Truth,
 )
+from modallab_client.stored import Identified, id_of
 from modallab_client.uploads import UploadOptions, upload_files, upload_form
 
 JsonObject = Mapping[str, Any]
@@ -51,7 +52,7 @@ class Measurements(Shelf):
         body = {"structure_id": id_of(structure_id), "rig_id": id_of(rig_id), "effects": effects}
         defaults = {"route": "sampled", "seed": 0}
         job = self._transport.request("POST", self.path, json=body | defaults | given)
-        return Job(job["id"], self._transport, self.get)
+        return Job(job["id"], self._transport, self._made)
 
     def upload(
         self,
@@ -84,7 +85,7 @@ class Measurements(Shelf):
         reply = self._transport.request(
             "POST", "/v1/measurements/import", files=upload_files(file), data=data
         )
-        return self.get(reply["id"])
+        return self._made(reply["id"])
 
     def import_npz(
         self,
@@ -122,6 +123,10 @@ class Measurements(Shelf):
             f"/v1/measurements/{id_of(measurement_id)}/arrays", _wire.body(kind=kind)
         )
         return _wire.read(measurement_of, about, arrays)
+
+    def _made(self, measurement_id: str) -> Measurement:
+        """Return a new measurement, and warn of what looks like a slip."""
+        return warned(self.get(measurement_id))
 
     def curves(self, measurement_id: Identified, points: int = 800, *, kind: str | None = None) -> Curves:
         """Return the FRFs thinned to about that many lines, for plots; of the kind measured or another."""

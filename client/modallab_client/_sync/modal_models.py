@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike
 from modallab_client import _wire
 from modallab_client._sync.jobs import Job
 from modallab_client._sync.shelf import Shelf
-from modallab_client.identified import Identified, id_of
 from modallab_client.methods.extraction import fit_of
 from modallab_client.methods.modal_models import modal_model_of
 from modallab_client.models import Frf
@@ -22,6 +21,7 @@ from modallab_client.results import (
     ModalReciprocityCheck,
     StabilisationChart,
 )
+from modallab_client.stored import Identified, id_of
 
 
 class ModalModels(Shelf):

@@ -4,12 +4,13 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from modallab_client import _wire, _wire_correlation
+from modallab_client._plausibility import warned
 from modallab_client._sync.described import Described
 from modallab_client._sync.modal_models import ModalModels
 from modallab_client.correlation import Expansion, ReducedModel
-from modallab_client.identified import Identified, id_of
 from modallab_client.models import Frf, ModeShapes
 from modallab_client.results import ModalModel, Structure, StructureModes
+from modallab_client.stored import Identified, id_of
 
 JsonObject = Mapping[str, Any]
 
@@ -49,7 +50,7 @@ class Structures(Described):
         change = location | _wire.body(property=property, factor=factor, value=value)
         body = {"changes": [*changes, change] if change else list(changes)}
         path = f"/v1/structures/{id_of(structure_id)}/changes"
-        return _wire.reply(Structure, self._transport.request("POST", path, json=body))
+        return warned(_wire.reply(Structure, self._transport.request("POST", path, json=body)))
 
     def get(self, structure_id: Identified) -> Structure:
         """Return a structure."""

@@ -6,7 +6,6 @@ from typing import Any, Unpack
 from modallab_client import _wire
 from modallab_client._sync.jobs import Job
 from modallab_client._sync.shelf import Shelf
-from modallab_client.identified import Identified, id_of
 from modallab_client.methods.update_arrays import (
     Covariance,
     PosteriorDraws,
@@ -17,6 +16,7 @@ from modallab_client.methods.update_arrays import (
 )
 from modallab_client.methods.updates import Update, update_of
 from modallab_client.options import UpdateOptions
+from modallab_client.stored import Identified, id_of
 
 
 class Updates(Shelf):

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import numpy as np
-from typer.testing import CliRunner
+from click.testing import CliRunner
 
 from benchmarks.strange_cases import curves, table
 from modallab_cli.app import app

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from click.testing import CliRunner, Result
 from pydantic import TypeAdapter
-from typer.testing import CliRunner, Result
 
 from modallab.api.rigs.schemas import RigIn
 from modallab.api.structures.schemas import StructureIn

@@ -36,6 +36,7 @@ from modallab.api.modal_models.table import COLUMNS, mode_rows
 from modallab.api.shelves import add_routes
 from modallab.api.thinning import Points
 from modallab.core.dof import Dof
+from modallab.core.line_options import line_mask
 from modallab.core.modal_model import ModalModel
 from modallab.interchange import uff_modes
 from modallab.interchange.reading import read_modal_model
@@ -69,9 +70,13 @@ def start_modal_model(
     request_key: RequestKeyDep,
 ) -> Any:
     """Start a job that extracts modes from a measurement."""
-    store.measurements.check(body.measurement_id)
+    inputs, request = body.to_task()
+    if request.bands is None and not request.exclude:
+        store.measurements.check(body.measurement_id)
+    else:  # bands beyond the test fail now, and no job for them later
+        line_mask(store.measurements.get(body.measurement_id).frf.freq, request.bands, request.exclude)
     return job_reply(
-        jobs.submit(EXTRACTION.name, EXTRACTION.arguments(*body.to_task()), owner=owner, request=request_key)
+        jobs.submit(EXTRACTION.name, EXTRACTION.arguments(inputs, request), owner=owner, request=request_key)
     )
 
 
