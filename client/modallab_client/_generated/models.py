@@ -17,7 +17,8 @@ from modallab_client.methods.measurements import (
     ReciprocityCheckMethods,
 )
 from modallab_client.methods.modal_models import FrequencyInconsistencyMethods, ModalModelMethods
-from modallab_client.methods.structures import StructureModesMethods
+from modallab_client.methods.rigs import RigMethods
+from modallab_client.methods.structures import StructureMethods, StructureModesMethods
 from modallab_client.methods.studies import StudyMethods
 from modallab_client.methods.updates import (
     DirectionMethods,
@@ -1270,8 +1271,8 @@ class Ready:
     """whether a process lives that runs jobs"""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Rig:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Rig(RigMethods):
     """A rig as declared; parts that are not declared are ideal. Several shakers drive at the same time; a hammer strikes one drive point after the other."""
 
     accelerometers: Accelerometers
@@ -1292,7 +1293,7 @@ class Rig:
     """Force transducer at the drive point."""
     id: str
     """id of the stored object"""
-    made_from: Mapping[str, str] = field(hash=False)
+    made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
     noise: Noise
     """White noise of the channels."""
@@ -1336,17 +1337,17 @@ class RigChecks:
     """Structure that the rig tests."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Structure:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Structure(StructureMethods):
     """Size of a stored structure, and its groups of members."""
 
     created: str
     """time of creation, ISO 8601, UTC"""
-    groups: Mapping[str, tuple[int, ...]] = field(hash=False)
+    groups: Mapping[str, tuple[int, ...]]
     """Numbers of members, by the name under which they may be updated."""
     id: str
     """id of the stored object"""
-    made_from: Mapping[str, str] = field(hash=False)
+    made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
     members: int
     """Number of members."""

@@ -85,7 +85,18 @@ class MeasurementMethods:
 
 
 class IndicatorsMethods:
-    """A picture of mode indicator functions."""
+    """A picture of mode indicator functions, and their lines."""
+
+    if TYPE_CHECKING:
+        freq: FloatArray
+        inputs: tuple[str, ...]
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("inputs", ", ".join(self.inputs)),
+            ("lines", f"{len(self.freq)} from {self.freq[0]:g} to {self.freq[-1]:g} Hz"),
+        ]
+        return _tables.html((), rows, caption="Mode indicator functions")
 
     def plot(self) -> "tuple[Axes, Axes]":
         """Draw CMIF over MIF; return both axes."""

@@ -70,11 +70,12 @@ def start_modal_model(
     request_key: RequestKeyDep,
 ) -> Any:
     """Start a job that extracts modes from a measurement."""
+    store.measurements.check(body.measurement_id)
     inputs, request = body.to_task()
-    if request.bands is None and not request.exclude:
-        store.measurements.check(body.measurement_id)
-    else:  # bands beyond the test fail now, and no job for them later
-        line_mask(store.measurements.get(body.measurement_id).frf.freq, request.bands, request.exclude)
+    if request.bands is not None or request.exclude:
+        # Bands beyond the test are refused here: the job could only fail.
+        freq = store.measurements.get(body.measurement_id).frf.freq
+        line_mask(freq, request.bands, request.exclude)
     return job_reply(
         jobs.submit(EXTRACTION.name, EXTRACTION.arguments(inputs, request), owner=owner, request=request_key)
     )
