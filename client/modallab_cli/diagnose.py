@@ -18,6 +18,7 @@ from modallab_cli.lab import ProgressLine, lab_of, measurement_of, one_sentence_
 from modallab_cli.outputs import check_pictures, draw
 from modallab_client import Diagnosis
 from modallab_client._embedded import require_service
+from modallab_client._plausibility import warn_of
 
 _HEADING = ("title", "object", "author", "date")
 
@@ -104,12 +105,13 @@ def _here(inputs: _Inputs, progress: Callable[[float, str], None]) -> _Outcome:
     """Return a diagnosis that this process makes."""
     require_service()
     from modallab.api.from_files import Files, diagnose_files
-    from modallab.diagnosis.reporting.report import ReportHeading, report
+    from modallab.diagnosis.reporting.heading import ReportHeading
+    from modallab.diagnosis.reporting.report import report
     from modallab.diagnosis.reporting.summary import summary
     from modallab_cli.results import diagnosis_result
 
     files = Files(inputs.model, inputs.rig, inputs.measured, inputs.mesh)
-    outcome = diagnose_files(files, inputs.request, averages=inputs.averages, progress=progress)
+    outcome = diagnose_files(files, inputs.request, averages=inputs.averages, progress=progress, warn=warn_of)
     origin = {"call": shlex.join(["modallab", *sys.argv[1:]]), "version": outcome.entry.version}
     return _Outcome(
         summary(outcome.diagnosis),

@@ -13,7 +13,7 @@ import click
 from modallab.core.errors import ModalLabError, sentence
 from modallab_cli.arguments import read_object
 from modallab_client import ModalLab
-from modallab_client.errors import ClientError, InvalidInputError, MissingExtraError
+from modallab_client.errors import ClientError, InvalidInputError, MissingExtraError, PlausibilityWarning
 from modallab_client.results import Measurement, ModalModel, Structure
 
 KEY = "MODALLAB_KEY"
@@ -31,6 +31,7 @@ def lab_of(server: str | None) -> Iterator[ModalLab]:
 def one_sentence_per_error(command: str) -> Iterator[None]:
     """End the command with 2 and one sentence where files, options or the lab are at fault."""
     with warnings.catch_warnings():
+        warnings.simplefilter("always", PlausibilityWarning)
         warnings.showwarning = _show_warning
         try:
             yield

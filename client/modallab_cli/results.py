@@ -10,17 +10,18 @@ from modallab.rig.measurement import Measurement as Measured
 from modallab.store.base import Entry
 from modallab.store.codec import CODECS, arrays_of
 from modallab_client import Diagnosis, Measurement
+from modallab_client._plausibility import warned
 from modallab_client._read import read_as
 from modallab_client.methods.diagnoses import diagnosis_curves
 from modallab_client.methods.measurements import measurement_of
 
 
 def measurement_result(measurement: Measured) -> Measurement:
-    """Return measured FRFs as the client has them."""
+    """Return measured FRFs as the client has them, after warnings of what is surely a slip."""
     now = datetime.now(UTC).isoformat(timespec="seconds")
     entry = Entry("", "measurements", "", now, modallab.__version__, {"rig_id": ""}, measurement.seed)
     reply = measurement_reply(measurement, entry).model_dump(mode="json")
-    return measurement_of(reply, arrays_of(measurement))
+    return warned(measurement_of(reply, arrays_of(measurement)))
 
 
 def diagnosis_result(outcome: DiagnosisOutcome) -> Diagnosis:

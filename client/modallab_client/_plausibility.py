@@ -6,15 +6,28 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Protocol, TypeVar
 
-from modallab_client._generated.models import PhysicsWarning
 from modallab_client.errors import PlausibilityWarning
 
 _HERE = str(Path(__file__).parent)
 
 
+class Slip(Protocol):
+    """What the service says of a slip."""
+
+    @property
+    def message(self) -> str:
+        """What is unusual and what it suggests."""
+        ...
+
+    @property
+    def field(self) -> str:
+        """Field that is probably wrong."""
+        ...
+
+
 class _Warned(Protocol):
     @property
-    def warnings(self) -> Sequence[PhysicsWarning]: ...
+    def warnings(self) -> Sequence[Slip]: ...
 
 
 WarnedT = TypeVar("WarnedT", bound=_Warned)
@@ -22,10 +35,14 @@ WarnedT = TypeVar("WarnedT", bound=_Warned)
 
 def warned(result: WarnedT) -> WarnedT:
     """Return a result after a warning for each slip that the service names in it."""
-    for warning in result.warnings:
-        words = f"{warning.field}: {warning.message}"
-        warnings.warn(words, PlausibilityWarning, stacklevel=_level_of_caller())
+    for slip in result.warnings:
+        warn_of(slip)
     return result
+
+
+def warn_of(slip: Slip) -> None:
+    """Warn of a slip, at the line outside of the client that sent it."""
+    warnings.warn(f"{slip.field}: {slip.message}", PlausibilityWarning, stacklevel=_level_of_caller())
 
 
 def _level_of_caller() -> int:

@@ -180,3 +180,12 @@ def test_without_coherence_the_random_error_is_estimated_or_stated(
         assert done.exit_code == 0, done.stderr
     assert "Missing effect: extra mass at 4:+Y." in done.stdout
     assert "no usable coherence" in done.stdout
+
+
+def test_a_slip_in_a_file_is_named_on_stderr(folder: Path) -> None:
+    once = {**RIG, "analyser": RIG["analyser"] | {"averages": 1}}
+    (folder / "once.json").write_text(json.dumps(once), encoding="utf-8")
+    done = run(folder, *FEW, "--rig", str(folder / "once.json"), "--noise-floor", "1e-3", "--json")
+    assert done.exit_code == 0, done.stderr
+    assert "warning: analyser.averages: with one average the coherence is 1" in done.stderr
+    assert "warning" not in done.stdout

@@ -11,7 +11,7 @@ from modallab.api.limits import REQUEST
 from modallab.api.wire import Wanted
 from modallab.core.dof import Dof
 from modallab.diagnosis.options import DiagnosisOptions
-from modallab.diagnosis.reporting.report import ReportHeading
+from modallab.diagnosis.reporting.heading import ReportHeading
 from modallab.fe.structure import Structure
 from modallab.jobs.diagnosing import DiagnosisInputs
 from modallab.rig.effect import EFFECTS

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
 from html import escape
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from modallab.diagnosis.localisation.text import PATTERNS_WITHOUT_MODES
 from modallab.diagnosis.reporting import svg
 from modallab.diagnosis.reporting.figures import all_curves, enlarged
+from modallab.diagnosis.reporting.heading import NO_HEADING, ReportHeading, heading_line
 from modallab.diagnosis.reporting.legend import keys
 from modallab.diagnosis.reporting.location_plot import location_drawings
 from modallab.diagnosis.reporting.page import Row, page, paragraph, table
@@ -69,24 +69,10 @@ CONSIDERED = (
 )
 
 
-@dataclass(frozen=True)
-class ReportHeading:
-    """What a report says of itself at its top; what is empty is left out."""
-
-    title: str = ""
-    """Title above the finding."""
-    object: str = ""
-    """Object that was tested."""
-    author: str = ""
-    """Who made the test or the report."""
-    date: str = ""
-    """Date of the test or the report."""
-
-
 def report(
     diagnosis: Diagnosis,
     provenance: Mapping[str, str] | None = None,
-    heading: ReportHeading = ReportHeading(),
+    heading: ReportHeading = NO_HEADING,
 ) -> str:
     """Return a diagnosis as one self-contained HTML page.
 
@@ -105,7 +91,7 @@ def report(
     parts = [
         paragraph(heading.title or "Diagnosis of a modal test", "soft"),
         f"<h1>{escape(title)}</h1>",
-        _heading(heading),
+        heading_line(heading),
         paragraph(verdict_text(diagnosis), "lead"),
         _missing_effects(diagnosis),
         unknown_section(diagnosis.unknown),
@@ -122,13 +108,6 @@ def report(
         _repetition(diagnosis, provenance or {}),
     ]
     return page(title, parts)
-
-
-def _heading(heading: ReportHeading) -> str:
-    """Return object, author and date on one line, those that are given."""
-    given = {"Object": heading.object, "Author": heading.author, "Date": heading.date}
-    text = " \N{MIDDLE DOT} ".join(f"{name}: {value}" for name, value in given.items() if value)
-    return paragraph(text, "soft") if text else ""
 
 
 def _missing_effects(diagnosis: Diagnosis) -> str:
