@@ -13,6 +13,7 @@ import click
 from modallab.core.errors import ModalLabError, sentence
 from modallab_cli.arguments import read_object
 from modallab_client import ModalLab
+from modallab_client._plausibility import warned
 from modallab_client.errors import ClientError, InvalidInputError, MissingExtraError, PlausibilityWarning
 from modallab_client.results import Measurement, ModalModel, Structure
 
@@ -88,9 +89,10 @@ def structure_of(lab: ModalLab, model: Path, mesh: Path | None) -> Structure:
     with of_file(model):
         if model.suffix.lower() == ".json":
             return lab.structures.create(**read_object(model))
-        if mesh is not None:
-            return lab.structures.import_mesh(model, **read_object(mesh))
-        return lab.structures.upload(model)
+        described = {} if mesh is None else {"mesh": mesh.read_text(encoding="utf-8")}
+        files = {"file": (model.name, model.read_bytes())}
+        reply = lab.request("POST", "/v1/structures/import", files=files, data=described)
+        return warned(lab.structures.get(reply["id"]))
 
 
 def rig_id_of(lab: ModalLab, rig: Path | None) -> str | None:
@@ -98,7 +100,8 @@ def rig_id_of(lab: ModalLab, rig: Path | None) -> str | None:
     if rig is None:
         return None
     with of_file(rig):
-        return lab.rigs.create(**read_object(rig)).id
+        reply = lab.request("POST", "/v1/rigs", json=read_object(rig))
+        return warned(lab.rigs.get(reply["id"])).id
 
 
 def measurement_of(lab: ModalLab, measured: Path, rig: Path | None, averages: float | None) -> Measurement:
@@ -125,5 +128,3 @@ def of_file(path: Path) -> Iterator[None]:
     except InvalidInputError as error:
         words = str(error)
         raise InvalidInputError(words if words.startswith(path.name) else f"{path.name}: {words}") from None
-    except TypeError as error:  # a field that the client has no keyword for
-        raise InvalidInputError(f"{path.name}: {error}") from None
