@@ -77,4 +77,5 @@ def extract(
                 print_reply(lab, f"/v1/modal-models/{modes.id}", stays=server is not None)
             else:
                 click.echo(f"{modes.table()}\n\n{modes.summary()}")
-            draw(modes, picture)
+            if picture is not None:
+                draw(lab.modal_models.frf(modes.id), picture, test)

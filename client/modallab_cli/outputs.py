@@ -32,11 +32,17 @@ def check_pictures(picture: Path | None) -> None:
     matplotlib.use("agg")  # no window, wherever the command runs
 
 
-def draw(result: Any, picture: Path | None) -> None:
-    """Write the picture of a result, if one is wanted."""
+def draw(result: Any, picture: Path | None, *beside: Any) -> None:
+    """Write the picture of a result, if one is wanted.
+
+    Parameters
+    ----------
+    beside
+        What the result is drawn with.
+    """
     if picture is None:
         return
-    axes = result.plot()
+    axes = result.plot(*beside)
     first = axes[0] if isinstance(axes, tuple) else axes
     first.figure.savefig(picture, dpi=150)
     click.echo(f"The picture: {picture.resolve()}", err=True)

@@ -65,8 +65,8 @@ def modal_model(model: "ModalModel") -> "Axes":
     for number, (x, y) in enumerate(zip(model.frequencies, model.loss_factors, strict=True), 1):
         axes.annotate(str(number), (x, y), textcoords="offset points", xytext=(5, 5))
     axes.set(xlabel="frequency, Hz", ylabel="loss factor")
-    axes.margins(y=PLOT.margin)
-    axes.set_ylim(bottom=0)
+    highest = max((y + error for y, error in zip(model.loss_factors, up, strict=True)), default=0.0)
+    axes.set_ylim(0, (1 + PLOT.margin) * highest or None)
     return axes  # type: ignore[no-any-return]
 
 

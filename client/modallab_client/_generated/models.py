@@ -1271,7 +1271,7 @@ class Ready:
     """whether a process lives that runs jobs"""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Rig(RigMethods):
     """A rig as declared; parts that are not declared are ideal. Several shakers drive at the same time; a hammer strikes one drive point after the other."""
 
@@ -1293,7 +1293,7 @@ class Rig(RigMethods):
     """Force transducer at the drive point."""
     id: str
     """id of the stored object"""
-    made_from: Mapping[str, str]
+    made_from: Mapping[str, str] = field(hash=False)
     """ids of the objects it was made from, by role"""
     noise: Noise
     """White noise of the channels."""
@@ -1337,17 +1337,17 @@ class RigChecks:
     """Structure that the rig tests."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Structure(StructureMethods):
     """Size of a stored structure, and its groups of members."""
 
     created: str
     """time of creation, ISO 8601, UTC"""
-    groups: Mapping[str, tuple[int, ...]]
+    groups: Mapping[str, tuple[int, ...]] = field(hash=False)
     """Numbers of members, by the name under which they may be updated."""
     id: str
     """id of the stored object"""
-    made_from: Mapping[str, str]
+    made_from: Mapping[str, str] = field(hash=False)
     """ids of the objects it was made from, by role"""
     members: int
     """Number of members."""

@@ -83,7 +83,8 @@ class ModalModelMethods:
         ends = dict.fromkeys((f"{loss.min():.3g}", f"{loss.max():.3g}"))
         factors = " to ".join(ends)
         doubtful = f"; doubtful besides: {len(self.doubtful)}" if self.doubtful else ""
-        words = f"{len(self.modes)} mode{'s' * plural} {where} by {self.method}"
+        source = self.method if self.method == "imported" else f"by {self.method}"
+        words = f"{len(self.modes)} mode{'s' * plural} {where} {source}"
         return f"{words}, loss factor{'s' * plural} {factors}{doubtful}."
 
     def _rows(self) -> _tables.Table:

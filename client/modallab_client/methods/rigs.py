@@ -1,7 +1,7 @@
 """Rigs: what is declared, in a sentence and a table."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from modallab_client import _tables
 
@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 class RigMethods:
     """A sentence and a table on a rig."""
 
+    compared: ClassVar[bool] = True
     if TYPE_CHECKING:
         id: str
         drives: tuple[str, ...]

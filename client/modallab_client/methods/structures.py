@@ -1,7 +1,7 @@
 """Structures: their size, and a table of computed modes."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from modallab_client import _tables
 from modallab_client.models import FloatArray
@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 class StructureMethods:
     """A sentence and a table on a structure."""
 
+    compared: ClassVar[bool] = True
     if TYPE_CHECKING:
         id: str
         name: str
