@@ -48,6 +48,8 @@ class Mixin:
 
     module: str
     has_repr: bool
+    has_equality: bool = False
+    """Whether its class attribute `compared` says that equal fields make equal results."""
 
 
 def sent(document: Schema) -> set[str]:
@@ -162,7 +164,8 @@ def dataclass_of(name: str, schema: Schema, known: Container[str], mixins: Mappi
         return f"{name} = {annotation(schema, known)}\n"
     base = f"({name}Methods)" if name in mixins else ""
     arrays = "Array" in "".join(annotation(told, known) for told in schema["properties"].values())
-    equality = "eq=False, " if arrays or base else ""
+    compared = not base or mixins[name].has_equality
+    equality = "" if compared and not arrays else "eq=False, "
     own_repr = "repr=False, " if mixins.get(name, Mixin("", False)).has_repr else ""
     lines = [f"@dataclass(frozen=True, {equality}{own_repr}kw_only=True)", f"class {name}{base}:"]
     lines.append(f'    """{_text(schema.get("description") or name)}"""\n')
@@ -196,7 +199,9 @@ def generated(document: Schema | None = None) -> dict[Path, str]:
     """Return what belongs into the generated file."""
     document = json.loads(DOCUMENT.read_text()) if document is None else document
     mixins = {
-        node.name.removesuffix("Methods"): Mixin(path.stem, "__repr__" in ast.dump(node))
+        node.name.removesuffix("Methods"): Mixin(
+            path.stem, "__repr__" in ast.dump(node), "'compared'" in ast.dump(node)
+        )
         for path in sorted(METHODS.glob("*.py"))
         for node in ast.parse(path.read_text()).body
         if isinstance(node, ast.ClassDef) and node.name.endswith("Methods")

@@ -24,7 +24,7 @@ NAMED_WITH_NUMBERS = ("completion", "expansion")
 HEAD = '''"""Keywords of jobs, by kind of work; written by `client/generate_options.py`."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, TypedDict
+from typing import Annotated, Any, TypedDict
 
 '''
 
@@ -71,13 +71,13 @@ def typed_dict(name: str, doc: str, methods: Mapping[str, type[Options]]) -> str
             takers.append(method)
     lines = [f"class {name}(TypedDict, total=False):", f'    """{doc}"""', ""]
     for option, (kind, spec, takers) in found.items():
-        lines += [f"    {option}: {kind}"]
-        lines += [f"    # {line}" for line in wrapped(described(spec, takers))]
+        text = " ".join(f'"{line} "' for line in wrapped(described(spec, takers))).removesuffix(' "') + '"'
+        lines += [f"    {option}: Annotated[{kind}, {text}]"]
     return "\n".join(lines) + "\n"
 
 
-def wrapped(text: str, width: int = 100) -> list[str]:
-    """Return the lines of a comment."""
+def wrapped(text: str, width: int = 95) -> list[str]:
+    """Return the lines of a text."""
     lines = [""]
     for word in text.split():
         if lines[-1] and len(lines[-1]) + 1 + len(word) > width:

@@ -6,7 +6,7 @@ from modallab_client._async.jobs import AsyncJob
 from modallab_client._sync.client import ModalLab
 from modallab_client._sync.jobs import Job
 from modallab_client.correlation import Expansion, ReducedModel
-from modallab_client.errors import ClientError, JobFailedError, JobTimeoutError
+from modallab_client.errors import ClientError, JobFailedError, JobTimeoutError, PlausibilityWarning
 from modallab_client.methods.updates import Update
 from modallab_client.results import Correlation, Diagnosis, Measurement, ModalModel, Rig, Structure, Study
 
@@ -23,6 +23,7 @@ __all__ = [
     "Measurement",
     "ModalLab",
     "ModalModel",
+    "PlausibilityWarning",
     "ReducedModel",
     "Rig",
     "Structure",

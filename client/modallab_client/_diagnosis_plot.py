@@ -157,7 +157,7 @@ def enlarged(magnitude_axes: "Axes", phase_axes: "Axes", curves: "FrfCurves", *,
         _curves(magnitude_axes, phase_axes, curves, i, lines, added=added)
     for axes in (magnitude_axes, phase_axes):
         axes.set_xlabel("frequency, Hz")
-    magnitude_axes.legend(fontsize="small")
+    phase_axes.legend(fontsize="small")  # in the magnitude it would hide the peak
 
 
 def _styles(added: bool) -> list[tuple[str, str, str]]:

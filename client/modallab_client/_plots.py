@@ -65,7 +65,8 @@ def modal_model(model: "ModalModel") -> "Axes":
     for number, (x, y) in enumerate(zip(model.frequencies, model.loss_factors, strict=True), 1):
         axes.annotate(str(number), (x, y), textcoords="offset points", xytext=(5, 5))
     axes.set(xlabel="frequency, Hz", ylabel="loss factor")
-    axes.set_ylim(bottom=0)
+    highest = max((y + error for y, error in zip(model.loss_factors, up, strict=True)), default=0.0)
+    axes.set_ylim(0, (1 + PLOT.margin) * highest or None)
     return axes  # type: ignore[no-any-return]
 
 
@@ -198,6 +199,9 @@ def coefficients(
         name = "damping: 1 + loss factor" if part == "damping" else part
         axes.bar(places, changes, width=width, bottom=1, yerr=errors, label=name)
     axes.axhline(1.0, color="grey", linewidth=0.8)
+    axes.xaxis.get_major_locator().set_params(integer=True)
+    axes.margins(y=PLOT.margin)
+    axes.use_sticky_edges = False
     axes.set(xlabel="member", ylabel="coefficient (1 = no change)")
     axes.legend()
     return axes  # type: ignore[no-any-return]

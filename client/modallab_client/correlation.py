@@ -46,3 +46,18 @@ class ReducedModel:
     shapes: FloatArray  # (n_master, k) 1/sqrt(kg)
     model_frequencies: FloatArray  # (n,) Hz, of the full model's first elastic modes
     frequency_errors: FloatArray  # (n,) of the reduced model for each of these, relative
+
+    def table(self) -> str:
+        """Return the frequencies of the full model and the errors of the reduced one as text."""
+        return _tables.text(*self._rows())
+
+    def _rows(self) -> _tables.Table:
+        errors = zip(self.model_frequencies, self.frequency_errors, strict=True)
+        rows = [
+            (str(i), f"{frequency:.5g}", f"{error:.2g}") for i, (frequency, error) in enumerate(errors, 1)
+        ]
+        return ("mode", "frequency Hz", "relative error"), rows
+
+    def _repr_html_(self) -> str:
+        caption = f"{len(self.dofs)} DoFs reduced to {len(self.masters)}"
+        return _tables.html(*self._rows(), caption=caption)

@@ -150,6 +150,10 @@ class MissingExtraError(ClientError, ImportError):
     code = "missing_extra"
 
 
+class PlausibilityWarning(UserWarning):
+    """What was sent is surely a slip of a unit or a setting, although the service can compute with it."""
+
+
 BY_CODE: dict[str, type[ClientError]] = {
     "invalid_input": InvalidInputError,
     "invalid_request": InvalidInputError,

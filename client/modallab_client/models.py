@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab_client import _plots
+from modallab_client import _plots, _tables
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,6 +29,13 @@ class ModeShapes:
     """(n_dof, n_modes) 1/sqrt(kg)."""
     dofs: tuple[str, ...]
 
+    def __repr__(self) -> str:
+        return f"ModeShapes({len(self.frequencies)} modes at {len(self.dofs)} DoFs)"
+
+    def _repr_html_(self) -> str:
+        rows = [(str(number), f"{frequency:.5g}") for number, frequency in enumerate(self.frequencies, 1)]
+        return _tables.html(("mode", "frequency Hz"), rows, caption=f"Mode shapes at {len(self.dofs)} DoFs")
+
 
 @dataclass(frozen=True, eq=False)
 class Frf:
@@ -48,6 +55,16 @@ class Frf:
         n, n_out, _ = self.values.shape
         last = f"{n} lines from {self.freq[0]:g} to {self.freq[-1]:g} Hz"
         return f"Frf({self.kind}, {n_out} outputs / {self.inputs[0]}, {last})"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("kind", self.kind),
+            ("outputs", ", ".join(self.outputs)),
+            ("inputs", ", ".join(self.inputs)),
+            ("lines", f"{len(self.freq)} from {self.freq[0]:g} to {self.freq[-1]:g} Hz"),
+            *(("note", note) for note in self.notes),
+        ]
+        return _tables.html((), rows, caption="Synthesised FRFs")
 
     def plot(
         self, measured: "Measurement | None" = None, *, output: str | None = None

@@ -39,6 +39,8 @@ class EmbeddedSettings:
 class PlotSettings:
     """Legends, tick labels and colour ranges of plots."""
 
+    margin: float = 0.15
+    """share of the height that stays free beside the outermost values"""
     legend_curves: int = 12
     """curves up to which a plot has a legend"""
     legend_width: int = 44

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-TREES = ("service/modallab", "client/modallab_client")
+TREES = ("service/modallab", "client/modallab_client", "client/modallab_cli")
 GENERATED = {"_sync", "_generated", "migrations"}
 
 # Private words of earlier versions, and pictures where the field has a term.

@@ -43,9 +43,21 @@ def test_the_tour_in_python_names_the_stiffer_element(tmp_path: Path) -> None:
     (script,) = blocks("python")
     (tmp_path / "tour.py").write_text(script, encoding="utf-8")
     *_, last = run([sys.executable, "tour.py"], tmp_path).splitlines()
-    verdict, kind, before, after = last.split()
-    assert (verdict, kind) == ("explained", "stiffness_error")
+    verdict = re.fullmatch(
+        r"Explained: stiffness error at member 7, factor ([\d.]+)\((\d+)\)\. "
+        r"The gap between test and prediction falls from (\S+) to (\S+); random error alone leaves 1\.",
+        last,
+    )
+    assert verdict is not None, last
+    factor, digits, before, after = verdict.groups()
+    error = int(digits) * 10.0 ** -len(factor.partition(".")[2])
+    # five standard errors: one run in two million is further off by chance
+    assert abs(float(factor) - 1.3) < 5 * error < 0.01
     assert float(after) < 1.2 < float(before)  # 1 and its scatter; before, the gap is in the thousands
+    assert last in README, "the README shows what the tour prints"
+    assert (
+        tmp_path / "found.png"
+    ).stat().st_size > 20_000  # bytes of a picture with curves, and no empty one
 
 
 def test_the_tour_with_curl_ends_with_a_report(tmp_path: Path) -> None:

@@ -37,7 +37,7 @@ def run(*command: Any, folder: Path) -> "subprocess.CompletedProcess[str]":
 
 @pytest.fixture(scope="module")
 def python(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The interpreter of an environment with the generator, whose typer is older than the service's."""
+    """The interpreter of an environment with the generator, whose packages are older than the service's."""
     folder = tmp_path_factory.mktemp("environment")
     interpreter = folder / "venv" / "bin" / "python"
     if uv := shutil.which("uv"):

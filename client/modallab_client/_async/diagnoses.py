@@ -11,6 +11,7 @@ from modallab_client._read import read_as
 from modallab_client.methods.diagnoses import DiagnosisCurves, diagnosis_curves
 from modallab_client.options import DiagnosisOptions
 from modallab_client.results import Adoption, Diagnosis
+from modallab_client.stored import Identified, id_of
 
 
 class AsyncDiagnoses(AsyncShelf):
@@ -20,8 +21,8 @@ class AsyncDiagnoses(AsyncShelf):
 
     async def start(
         self,
-        structure_id: str,
-        measurement_id: str,
+        structure_id: Identified,
+        measurement_id: Identified,
         *,
         follow_ups: Sequence[Mapping[str, Any]] | None = None,
         **options: Unpack[DiagnosisOptions],
@@ -38,29 +39,52 @@ class AsyncDiagnoses(AsyncShelf):
             Options of the diagnosis, as `suspects`, `hold_out` and `tolerances`. Their meaning:
             `modallab_client.options.DiagnosisOptions`.
         """
-        body = {"structure_id": structure_id, "measurement_id": measurement_id, "suspects": "all", "seed": 0}
+        body = {
+            "structure_id": id_of(structure_id),
+            "measurement_id": id_of(measurement_id),
+            "suspects": "all",
+            "seed": 0,
+        }
         body |= _wire.body(follow_ups=follow_ups, **options)
         job = await self._transport.request("POST", "/v1/diagnoses", json=body)
         return AsyncJob(job["id"], self._transport, self.get)
 
-    async def get(self, diagnosis_id: str) -> Diagnosis:
+    async def get(self, diagnosis_id: Identified) -> Diagnosis:
         """Return a finished diagnosis with its curves."""
-        reply = await self._transport.request("GET", f"/v1/diagnoses/{diagnosis_id}")
+        reply = await self._transport.request("GET", f"/v1/diagnoses/{id_of(diagnosis_id)}")
         diagnosis: Diagnosis = _wire.read(read_as, Diagnosis, reply)
         return replace(diagnosis, curves=await self.curves(diagnosis_id))
 
-    async def adopt(self, diagnosis_id: str) -> Adoption:
+    async def adopt(self, diagnosis_id: Identified) -> Adoption:
         """Return the ids of a model and a log book that hold the unknown effect as a tabulated one."""
-        reply = await self._transport.request("POST", f"/v1/diagnoses/{diagnosis_id}/adopt")
+        reply = await self._transport.request("POST", f"/v1/diagnoses/{id_of(diagnosis_id)}/adopt")
         adoption: Adoption = _wire.read(read_as, Adoption, reply)
         return adoption
 
-    async def curves(self, diagnosis_id: str) -> DiagnosisCurves:
+    async def curves(self, diagnosis_id: Identified) -> DiagnosisCurves:
         """Return the FRFs measured, and predicted before and after what was added."""
-        arrays = await self._transport.npz(f"/v1/diagnoses/{diagnosis_id}/arrays")
+        arrays = await self._transport.npz(f"/v1/diagnoses/{id_of(diagnosis_id)}/arrays")
         return _wire.read(diagnosis_curves, arrays)
 
-    async def report(self, diagnosis_id: str) -> str:
-        """Return the report, one self-contained HTML page."""
-        content: bytes = await self._transport.request("GET", f"/v1/diagnoses/{diagnosis_id}/report")
+    async def report(
+        self,
+        diagnosis_id: Identified,
+        *,
+        title: str | None = None,
+        object: str | None = None,
+        author: str | None = None,
+        date: str | None = None,
+    ) -> str:
+        """Return the report, one self-contained HTML page.
+
+        Parameters
+        ----------
+        diagnosis_id
+            The diagnosis.
+        title, object, author, date
+            What the report says of itself at its top; left out: nothing.
+        """
+        heading = _wire.body(title=title, object=object, author=author, date=date)
+        path = f"/v1/diagnoses/{id_of(diagnosis_id)}/report"
+        content: bytes = await self._transport.request("GET", path, params=heading)
         return content.decode()

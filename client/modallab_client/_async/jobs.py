@@ -2,13 +2,14 @@
 
 import math
 import time
-from collections.abc import AsyncGenerator, Awaitable, Callable
+from collections.abc import AsyncGenerator, Awaitable, Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 from modallab_client import _wire
 from modallab_client._async.transport import AsyncTransport
 from modallab_client._generated.models import CancelledJobs, JobPage
+from modallab_client._progress import progress_bar
 from modallab_client._waiting import async_closing, async_sleep
 from modallab_client.errors import JobTimeoutError, UnexpectedReplyError, UnreachableError
 from modallab_client.results import JobStatus
@@ -81,15 +82,23 @@ class AsyncJob(Generic[T]):
         """Ask the job to stop; `result` then raises `JobFailedError` with code `cancelled`."""
         await AsyncJobs(self._transport).cancel(self.id)
 
-    async def result(self, on_progress: OnProgress | None = None, timeout: float | None = None) -> T:
+    async def result(
+        self,
+        on_progress: OnProgress | None = None,
+        timeout: float | None = None,
+        *,
+        progress: bool = False,
+    ) -> T:
         """Wait, report progress, and return the finished thing.
 
         Parameters
         ----------
         on_progress
-            Called with the fraction done, 0 to 1, and a message, whenever one of them changes.
+            Called with the fraction done, 0 to 1 in thousandths, and a message, whenever one of them changes.
         timeout
             Longest wait in s; the job goes on after it.
+        progress
+            Show a bar by tqdm, in a notebook or a terminal; where tqdm is not installed, a line a tenth.
 
         Raises
         ------
@@ -98,13 +107,19 @@ class AsyncJob(Generic[T]):
         JobTimeoutError
             If the time is over.
         """
+        with progress_bar(wanted=progress) as bar:
+            return await self._followed([watch for watch in (on_progress, bar) if watch is not None], timeout)
+
+    async def _followed(self, watchers: Sequence[OnProgress], timeout: float | None) -> T:
+        """Return the finished thing; tell the watchers of every change until then."""
         deadline = math.inf if timeout is None else time.monotonic() + timeout
         reported: tuple[float, str] | None = None
         async with async_closing(self._statuses(deadline)) as statuses:
             async for status in statuses:
-                news = (status.fraction, status.message)
-                if on_progress is not None and news != reported:
-                    on_progress(*news)
+                news = (round(status.fraction, 3), status.message)
+                if news != reported:
+                    for watch in watchers:
+                        watch(*news)
                 reported = news
                 if status.finished:
                     return await self._outcome(status)

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from modallab_client import _wire
 from modallab_client._async.jobs import AsyncJob
 from modallab_client._async.shelf import AsyncShelf
+from modallab_client._plausibility import warned
 from modallab_client.methods.measurements import measurement_of
 from modallab_client.options import MeasurementOptions
 from modallab_client.results import (
@@ -19,6 +20,7 @@ from modallab_client.results import (
     ReciprocityCheck,
     Truth,
 )
+from modallab_client.stored import Identified, id_of
 from modallab_client.uploads import UploadOptions, upload_files, upload_form
 
 JsonObject = Mapping[str, Any]
@@ -31,8 +33,8 @@ class AsyncMeasurements(AsyncShelf):
 
     async def start(
         self,
-        structure_id: str,
-        rig_id: str,
+        structure_id: Identified,
+        rig_id: Identified,
         **options: Unpack[MeasurementOptions],
     ) -> AsyncJob[Measurement]:
         """Start a virtual test; `result` of the job gives the measurement.
@@ -47,15 +49,15 @@ class AsyncMeasurements(AsyncShelf):
         """
         given = _wire.body(**options)
         effects = [*given.pop("effects", ())]  # of any sequence
-        body = {"structure_id": structure_id, "rig_id": rig_id, "effects": effects}
+        body = {"structure_id": id_of(structure_id), "rig_id": id_of(rig_id), "effects": effects}
         defaults = {"route": "sampled", "seed": 0}
         job = await self._transport.request("POST", self.path, json=body | defaults | given)
-        return AsyncJob(job["id"], self._transport, self.get)
+        return AsyncJob(job["id"], self._transport, self._made)
 
     async def upload(
         self,
         file: str | Path | bytes | Sequence[str | Path],
-        rig_id: str | None = None,
+        rig_id: Identified | None = None,
         *,
         averages: float | None = None,
         **given: Unpack[UploadOptions],
@@ -77,17 +79,17 @@ class AsyncMeasurements(AsyncShelf):
             `variables`, `exciter`, `window`, `window_end`. Their meaning:
             `modallab_client.uploads.UploadOptions`.
         """
-        data = upload_form(given) | _wire.body(rig_id=rig_id)
+        data = upload_form(given) | _wire.body(rig_id=id_of(rig_id))
         if averages is not None:
             data["averages"] = str(averages)
         reply = await self._transport.request(
             "POST", "/v1/measurements/import", files=upload_files(file), data=data
         )
-        return await self.get(reply["id"])
+        return await self._made(reply["id"])
 
     async def import_npz(
         self,
-        rig_id: str,
+        rig_id: Identified,
         *,
         freq: ArrayLike,
         values: ArrayLike,
@@ -105,7 +107,7 @@ class AsyncMeasurements(AsyncShelf):
         content = _wire.npz(values=values, coherence=coherence, averages=averages, **axes, **spectra)
         return await self.upload(content, rig_id)
 
-    async def get(self, measurement_id: str, *, kind: str | None = None) -> Measurement:
+    async def get(self, measurement_id: Identified, *, kind: str | None = None) -> Measurement:
         """Return a measurement with its arrays.
 
         Parameters
@@ -116,50 +118,60 @@ class AsyncMeasurements(AsyncShelf):
             Of its FRFs: `receptance`, `mobility` or `inertance`; left out: as measured. Where a line at
             0 Hz cannot be of that kind it is left out, and `notes` say so.
         """
-        about = await self._transport.request("GET", f"/v1/measurements/{measurement_id}")
-        arrays = await self._transport.npz(f"/v1/measurements/{measurement_id}/arrays", _wire.body(kind=kind))
+        about = await self._transport.request("GET", f"/v1/measurements/{id_of(measurement_id)}")
+        arrays = await self._transport.npz(
+            f"/v1/measurements/{id_of(measurement_id)}/arrays", _wire.body(kind=kind)
+        )
         return _wire.read(measurement_of, about, arrays)
 
-    async def curves(self, measurement_id: str, points: int = 800, *, kind: str | None = None) -> Curves:
+    async def _made(self, measurement_id: str) -> Measurement:
+        """Return a new measurement, and warn of what looks like a slip."""
+        return warned(await self.get(measurement_id))
+
+    async def curves(
+        self, measurement_id: Identified, points: int = 800, *, kind: str | None = None
+    ) -> Curves:
         """Return the FRFs thinned to about that many lines, for plots; of the kind measured or another."""
-        path = f"{self.path}/{measurement_id}/curves"
+        path = f"{self.path}/{id_of(measurement_id)}/curves"
         params = _wire.body(points=points, kind=kind)
         return _wire.reply(Curves, await self._transport.request("GET", path, params=params))
 
-    async def indicators(self, measurement_id: str, points: int = 800) -> Indicators:
+    async def indicators(self, measurement_id: Identified, points: int = 800) -> Indicators:
         """Return mode indicator functions, thinned to about that many lines: where modes are."""
-        path = f"{self.path}/{measurement_id}/indicators"
+        path = f"{self.path}/{id_of(measurement_id)}/indicators"
         reply = await self._transport.request("GET", path, params={"points": points})
         return _wire.reply(Indicators, reply)
 
-    async def reciprocity(self, measurement_id: str) -> ReciprocityCheck:
+    async def reciprocity(self, measurement_id: Identified) -> ReciprocityCheck:
         """Return how far FRFs differ when force and response change places."""
-        path = f"{self.path}/{measurement_id}/reciprocity"
+        path = f"{self.path}/{id_of(measurement_id)}/reciprocity"
         return _wire.reply(ReciprocityCheck, await self._transport.request("GET", path))
 
-    async def log(self, measurement_id: str) -> MeasurementLog:
+    async def log(self, measurement_id: Identified) -> MeasurementLog:
         """Return what was declared and asked; with the truth it is enough to make the same bytes again."""
-        path = f"{self.path}/{measurement_id}/log"
+        path = f"{self.path}/{id_of(measurement_id)}/log"
         return _wire.reply(MeasurementLog, await self._transport.request("GET", path))
 
-    async def truth(self, measurement_id: str) -> Truth:
+    async def truth(self, measurement_id: Identified) -> Truth:
         """Return what the measurement was made with; for its owner only."""
-        path = f"{self.path}/{measurement_id}/truth"
+        path = f"{self.path}/{id_of(measurement_id)}/truth"
         return _wire.reply(Truth, await self._transport.request("GET", path))
 
-    async def uff(self, measurement_id: str, *, kind: str | None = None) -> bytes:
+    async def uff(self, measurement_id: Identified, *, kind: str | None = None) -> bytes:
         """Return FRFs, coherence and auto spectra as a universal file (dataset 58), as in `get`."""
-        path = f"/v1/measurements/{measurement_id}/frf.uff"
+        path = f"/v1/measurements/{id_of(measurement_id)}/frf.uff"
         content: bytes = await self._transport.request("GET", path, params=_wire.body(kind=kind))
         return content
 
-    async def hdf5(self, measurement_id: str, *, kind: str | None = None) -> bytes:
+    async def hdf5(self, measurement_id: Identified, *, kind: str | None = None) -> bytes:
         """Return the measurement's arrays as an HDF5 file, with units; `kind` as in `get`."""
-        path = f"{self.path}/{measurement_id}/arrays.h5"
+        path = f"{self.path}/{id_of(measurement_id)}/arrays.h5"
         content: bytes = await self._transport.request("GET", path, params=_wire.body(kind=kind))
         return content
 
-    async def thesis(self, measurement_id: str, decimals: int = 3, *, kind: str | None = None) -> bytes:
+    async def thesis(
+        self, measurement_id: Identified, decimals: int = 3, *, kind: str | None = None
+    ) -> bytes:
         """Return FRFs and coherence in the text layout of the thesis program.
 
         Parameters
@@ -171,7 +183,7 @@ class AsyncMeasurements(AsyncShelf):
         kind
             As in `get`.
         """
-        path = f"{self.path}/{measurement_id}/thesis.frf"
+        path = f"{self.path}/{id_of(measurement_id)}/thesis.frf"
         params = _wire.body(decimals=decimals, kind=kind)
         content: bytes = await self._transport.request("GET", path, params=params)
         return content

@@ -21,6 +21,7 @@ from modallab_client.results import (
     ModalReciprocityCheck,
     StabilisationChart,
 )
+from modallab_client.stored import Identified, id_of
 
 
 class AsyncModalModels(AsyncShelf):
@@ -30,7 +31,7 @@ class AsyncModalModels(AsyncShelf):
 
     async def start(
         self,
-        measurement_id: str,
+        measurement_id: Identified,
         *,
         method: str | None = None,
         bands: str | Sequence[Sequence[float]] = "auto",
@@ -61,7 +62,7 @@ class AsyncModalModels(AsyncShelf):
             of the result tell. Their meaning: `modallab_client.options.ExtractionOptions`.
         """
         body = _wire.body(
-            measurement_id=measurement_id,
+            measurement_id=id_of(measurement_id),
             method=method,
             bands=bands,
             exclude=exclude or None,
@@ -72,7 +73,7 @@ class AsyncModalModels(AsyncShelf):
         job = await self._transport.request("POST", "/v1/modal-models", json=body)
         return AsyncJob(job["id"], self._transport, self.get)
 
-    async def get(self, modal_model_id: str, *, details: Sequence[str] = ()) -> ModalModel:
+    async def get(self, modal_model_id: Identified, *, details: Sequence[str] = ()) -> ModalModel:
         """Return a modal model with its shapes.
 
         Parameters
@@ -84,12 +85,14 @@ class AsyncModalModels(AsyncShelf):
             numbers only, the first and how many.
         """
         params = {"details": list(details)} if details else None
-        about = await self._transport.request("GET", f"/v1/modal-models/{modal_model_id}", params=params)
-        arrays = await self._transport.npz(f"/v1/modal-models/{modal_model_id}/arrays")
+        about = await self._transport.request(
+            "GET", f"/v1/modal-models/{id_of(modal_model_id)}", params=params
+        )
+        arrays = await self._transport.npz(f"/v1/modal-models/{id_of(modal_model_id)}/arrays")
         return _wire.read(modal_model_of, about, arrays)
 
     async def select(
-        self, modal_model_id: str, *, drop: Sequence[int] = (), merge: Sequence[Sequence[int]] = ()
+        self, modal_model_id: Identified, *, drop: Sequence[int] = (), merge: Sequence[Sequence[int]] = ()
     ) -> ModalModel:
         """Return a new modal model without some modes, or with one mode in place of several.
 
@@ -106,12 +109,12 @@ class AsyncModalModels(AsyncShelf):
             Groups of numbers; the modes of each become one.
         """
         body = {"drop": list(drop), "merge": [list(group) for group in merge]}
-        path = f"{self.path}/{modal_model_id}/select"
+        path = f"{self.path}/{id_of(modal_model_id)}/select"
         reply = await self._transport.request("POST", path, json=body)
         return await self.get(reply["id"])
 
     async def fit(
-        self, modal_model_id: str, *, mode: int, response: str, reference: str | None = None
+        self, modal_model_id: Identified, *, mode: int, response: str, reference: str | None = None
     ) -> FitPlotData:
         """Return one of the fits that a modal model was collated from, to be drawn.
 
@@ -126,12 +129,12 @@ class AsyncModalModels(AsyncShelf):
         reference
             One of the model's `references`, which may be left out where there is but one.
         """
-        path = f"{self.path}/{modal_model_id}/fits"
+        path = f"{self.path}/{id_of(modal_model_id)}/fits"
         query = _wire.body(mode=mode, response=response, reference=reference)
         reply = await self._transport.request("GET", path, params=query)
         return _wire.read(fit_of, reply)
 
-    async def chart(self, modal_model_id: str, points: int = 800) -> StabilisationChart:
+    async def chart(self, modal_model_id: Identified, points: int = 800) -> StabilisationChart:
         """Return the stabilisation chart of a model by a global method.
 
         Parameters
@@ -141,11 +144,11 @@ class AsyncModalModels(AsyncShelf):
         points
             Lines of the mode indicators beside it, about.
         """
-        path = f"{self.path}/{modal_model_id}/chart"
+        path = f"{self.path}/{id_of(modal_model_id)}/chart"
         reply = await self._transport.request("GET", path, params={"points": points})
         return _wire.reply(StabilisationChart, reply)
 
-    async def frf(self, modal_model_id: str, *, kind: str | None = None) -> Frf:
+    async def frf(self, modal_model_id: Identified, *, kind: str | None = None) -> Frf:
         """Return the FRFs that modes and residuals make, on the lines of the measurement they were read from.
 
         Parameters
@@ -155,10 +158,10 @@ class AsyncModalModels(AsyncShelf):
         kind
             `receptance`, `mobility` or `inertance`; left out: as measured.
         """
-        path = f"{self.path}/{modal_model_id}/frf"
+        path = f"{self.path}/{id_of(modal_model_id)}/frf"
         return _wire.read(_wire.frf, await self._transport.npz(path, _wire.body(kind=kind)))
 
-    async def reciprocity(self, modal_model_id: str, other_id: str) -> tuple[ModalPair, ...]:
+    async def reciprocity(self, modal_model_id: Identified, other_id: Identified) -> tuple[ModalPair, ...]:
         """Return the ratios of modal constants to those of a test with exchanged force and response.
 
         Parameters
@@ -166,8 +169,8 @@ class AsyncModalModels(AsyncShelf):
         modal_model_id, other_id
             Two modal models, each with the other's drive point among its responses.
         """
-        path = f"{self.path}/{modal_model_id}/reciprocity"
-        reply = await self._transport.request("GET", path, params={"other": other_id})
+        path = f"{self.path}/{id_of(modal_model_id)}/reciprocity"
+        reply = await self._transport.request("GET", path, params={"other": id_of(other_id)})
         return _wire.reply(ModalReciprocityCheck, reply).pairs
 
     async def import_(
@@ -207,7 +210,9 @@ class AsyncModalModels(AsyncShelf):
         reply = await self._transport.request("POST", "/v1/modal-models/import", files=files)
         return await self.get(reply["id"])
 
-    async def uff(self, modal_model_id: str) -> bytes:
+    async def uff(self, modal_model_id: Identified) -> bytes:
         """Return the modes as a universal file (dataset 55)."""
-        content: bytes = await self._transport.request("GET", f"{self.path}/{modal_model_id}/modes.uff")
+        content: bytes = await self._transport.request(
+            "GET", f"{self.path}/{id_of(modal_model_id)}/modes.uff"
+        )
         return content

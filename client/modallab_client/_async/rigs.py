@@ -5,6 +5,7 @@ from typing import Any
 
 from modallab_client import _wire
 from modallab_client._async.shelf import AsyncShelf
+from modallab_client._plausibility import warned
 from modallab_client.results import (
     Accelerometers,
     Analyser,
@@ -17,6 +18,7 @@ from modallab_client.results import (
     StingerStiffness,
     Suspension,
 )
+from modallab_client.stored import Identified, id_of
 
 # Parts of a stored rig may be sent again.
 Part = Exciter | StingerRod | StingerStiffness | ForceTransducer | Accelerometers | Suspension | Analyser
@@ -64,8 +66,8 @@ class AsyncRigs(AsyncShelf):
         hardware = _wire.body(exciter=exciter, stinger=stinger, force_transducer=force_transducer)
         attached = _wire.body(accelerometers=accelerometers, suspension=suspension, effects=effects)
         body = test | hardware | attached
-        return _wire.reply(Rig, await self._transport.request("POST", "/v1/rigs", json=body))
+        return warned(_wire.reply(Rig, await self._transport.request("POST", self.path, json=body)))
 
-    async def get(self, rig_id: str) -> Rig:
+    async def get(self, rig_id: Identified) -> Rig:
         """Return a rig as it was declared."""
-        return _wire.reply(Rig, await self._transport.request("GET", f"{self.path}/{rig_id}"))
+        return _wire.reply(Rig, await self._transport.request("GET", f"{self.path}/{id_of(rig_id)}"))

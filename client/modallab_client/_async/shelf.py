@@ -6,6 +6,7 @@ from typing import ClassVar
 from modallab_client import _wire
 from modallab_client._async.transport import AsyncTransport
 from modallab_client.results import StoredEntry
+from modallab_client.stored import Identified, id_of
 
 
 class AsyncShelf:
@@ -42,7 +43,7 @@ class AsyncShelf:
 
     async def describe(
         self,
-        id: str,
+        id: Identified,
         *,
         name: str | None = None,
         labels: Sequence[str] | None = None,
@@ -50,9 +51,9 @@ class AsyncShelf:
     ) -> StoredEntry:
         """Return the entry of one with a new name, labels or comment; what is left out stays."""
         body = _wire.body(name=name, labels=None if labels is None else list(labels), comment=comment)
-        reply = await self._transport.request("PATCH", f"{self.path}/{id}", json=body)
+        reply = await self._transport.request("PATCH", f"{self.path}/{id_of(id)}", json=body)
         return _wire.read(_wire.entry, reply)
 
-    async def delete(self, id: str) -> None:
+    async def delete(self, id: Identified) -> None:
         """Remove one; things that others were made from stay, with a `ConflictError`."""
-        await self._transport.request("DELETE", f"{self.path}/{id}")
+        await self._transport.request("DELETE", f"{self.path}/{id_of(id)}")

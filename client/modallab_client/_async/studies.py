@@ -9,6 +9,7 @@ from modallab_client._async.shelf import AsyncShelf
 from modallab_client._read import read_as
 from modallab_client.methods.studies import StudyCoefficients, study_coefficients
 from modallab_client.results import Study
+from modallab_client.stored import Identified, id_of
 
 
 class AsyncStudies(AsyncShelf):
@@ -18,8 +19,8 @@ class AsyncStudies(AsyncShelf):
 
     async def start(
         self,
-        structure_id: str,
-        truth_id: str,
+        structure_id: Identified,
+        truth_id: Identified,
         *,
         dofs: Sequence[str],
         method: str | None = None,
@@ -59,17 +60,17 @@ class AsyncStudies(AsyncShelf):
         body |= _wire.body(parts=parts, lower=lower, upper=upper)
         if seeds is not None:
             body["seeds"] = list(seeds)
-        body |= {"structure_id": structure_id, "truth_id": truth_id, "dofs": list(dofs)}
+        body |= {"structure_id": id_of(structure_id), "truth_id": id_of(truth_id), "dofs": list(dofs)}
         job = await self._transport.request("POST", self.path, json=body)
         return AsyncJob(job["id"], self._transport, self.get)
 
-    async def get(self, study_id: str) -> Study:
+    async def get(self, study_id: Identified) -> Study:
         """Return a finished study."""
-        reply = await self._transport.request("GET", f"{self.path}/{study_id}")
+        reply = await self._transport.request("GET", f"{self.path}/{id_of(study_id)}")
         study: Study = _wire.read(read_as, Study, reply)
         return study
 
-    async def coefficients(self, study_id: str) -> StudyCoefficients:
+    async def coefficients(self, study_id: Identified) -> StudyCoefficients:
         """Return the coefficients that all runs of a study found."""
-        arrays = await self._transport.npz(f"{self.path}/{study_id}/arrays")
+        arrays = await self._transport.npz(f"{self.path}/{id_of(study_id)}/arrays")
         return _wire.read(study_coefficients, arrays)

@@ -16,6 +16,7 @@ from modallab_client.methods.update_arrays import (
 )
 from modallab_client.methods.updates import Update, update_of
 from modallab_client.options import UpdateOptions
+from modallab_client.stored import Identified, id_of
 
 
 class AsyncUpdates(AsyncShelf):
@@ -25,10 +26,10 @@ class AsyncUpdates(AsyncShelf):
 
     async def start(
         self,
-        structure_id: str,
-        modal_model_id: str | None = None,
+        structure_id: Identified,
+        modal_model_id: Identified | None = None,
         *,
-        measurement_id: str | None = None,
+        measurement_id: Identified | None = None,
         noise_floor: float | None = None,
         bands: Sequence[Sequence[float]] | None = None,
         exclude: Sequence[Sequence[float]] = (),
@@ -76,29 +77,31 @@ class AsyncUpdates(AsyncShelf):
         tuned = dict(options or {}) | _wire.body(**keywords)
         body = _wire.body(parameterisation=chosen or None, options=tuned or None, method=method)
         body |= _wire.body(
-            modal_model_id=modal_model_id, measurement_id=measurement_id, noise_floor=noise_floor
+            modal_model_id=id_of(modal_model_id),
+            measurement_id=id_of(measurement_id),
+            noise_floor=noise_floor,
         )
         body |= _wire.body(bands=bands, exclude=exclude or None)
-        body["structure_id"] = structure_id
+        body["structure_id"] = id_of(structure_id)
         job = await self._transport.request("POST", self.path, json=body)
         return AsyncJob(job["id"], self._transport, self.get)
 
-    async def get(self, update_id: str) -> Update:
+    async def get(self, update_id: Identified) -> Update:
         """Return a finished update, of the type of its kind."""
-        reply = await self._transport.request("GET", f"/v1/updates/{update_id}")
+        reply = await self._transport.request("GET", f"/v1/updates/{id_of(update_id)}")
         return _wire.read(update_of, reply)
 
-    async def covariance(self, update_id: str) -> Covariance:
+    async def covariance(self, update_id: Identified) -> Covariance:
         """Return the covariance of an update's coefficients, by the errors of the data alone."""
-        arrays = await self._transport.npz(f"/v1/updates/{update_id}/covariance")
+        arrays = await self._transport.npz(f"/v1/updates/{id_of(update_id)}/covariance")
         return _wire.read(covariance_of, arrays)
 
-    async def sample(self, update_id: str) -> PosteriorDraws:
+    async def sample(self, update_id: Identified) -> PosteriorDraws:
         """Return the draws from the posterior of an update that was asked for `samples`."""
-        arrays = await self._transport.npz(f"/v1/updates/{update_id}/sample")
+        arrays = await self._transport.npz(f"/v1/updates/{id_of(update_id)}/sample")
         return _wire.read(draws_of, arrays)
 
-    async def matrices(self, update_id: str) -> UpdatedMatrices:
+    async def matrices(self, update_id: Identified) -> UpdatedMatrices:
         """Return the matrices of a direct method."""
-        arrays = await self._transport.npz(f"/v1/updates/{update_id}/arrays")
+        arrays = await self._transport.npz(f"/v1/updates/{id_of(update_id)}/arrays")
         return _wire.read(matrices_of, arrays)

@@ -17,7 +17,8 @@ from modallab_client.methods.measurements import (
     ReciprocityCheckMethods,
 )
 from modallab_client.methods.modal_models import FrequencyInconsistencyMethods, ModalModelMethods
-from modallab_client.methods.structures import StructureModesMethods
+from modallab_client.methods.rigs import RigMethods
+from modallab_client.methods.structures import StructureMethods, StructureModesMethods
 from modallab_client.methods.studies import StudyMethods
 from modallab_client.methods.updates import (
     DirectionMethods,
@@ -866,6 +867,18 @@ class RigSetup:
     """Elastic suspension of the structure."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class PhysicsWarning:
+    """What is surely a slip of a unit or a setting, although it can be computed with."""
+
+    code: str
+    """Name of the rule."""
+    field: str
+    """Field of the request that is probably wrong."""
+    message: str
+    """What is unusual and what it suggests, for readers."""
+
+
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class Measurement(MeasurementMethods):
     """FRFs with coherence and auto spectra, and the rig as declared."""
@@ -910,6 +923,8 @@ class Measurement(MeasurementMethods):
     """seed of its random numbers; null where there are none"""
     version: str
     """version of the service that made it"""
+    warnings: tuple[PhysicsWarning, ...]
+    """What is surely a slip of a unit or a setting."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -1279,7 +1294,7 @@ class Ready:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Rig:
+class Rig(RigMethods):
     """A rig as declared; parts that are not declared are ideal. Several shakers drive at the same time; a hammer strikes one drive point after the other."""
 
     accelerometers: Accelerometers
@@ -1314,6 +1329,8 @@ class Rig:
     """Elastic suspension of the structure."""
     version: str
     """version of the service that made it"""
+    warnings: tuple[PhysicsWarning, ...]
+    """What is surely a slip of a unit or a setting."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -1343,7 +1360,7 @@ class RigChecks:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Structure:
+class Structure(StructureMethods):
     """Size of a stored structure, and its groups of members."""
 
     created: str
@@ -1366,6 +1383,8 @@ class Structure:
     """seed of its random numbers; null where there are none"""
     version: str
     """version of the service that made it"""
+    warnings: tuple[PhysicsWarning, ...]
+    """What is surely a slip of a unit or a setting."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,6 +7,7 @@ from modallab_client import _wire
 from modallab_client._sync.shelf import Shelf
 from modallab_client.methods.correlations import correlation_of
 from modallab_client.results import Correlation
+from modallab_client.stored import Identified, id_of
 
 
 class Correlations(Shelf):
@@ -16,12 +17,12 @@ class Correlations(Shelf):
 
     def create(
         self,
-        modal_model_id: str,
-        structure_id: str,
+        modal_model_id: Identified,
+        structure_id: Identified,
         *,
         count: int | None = None,
         reduction: str | Mapping[str, Any] | None = None,
-        measurement_id: str | None = None,
+        measurement_id: Identified | None = None,
         bands: Sequence[Sequence[float]] | None = None,
         exclude: Sequence[Sequence[float]] = (),
     ) -> Correlation:
@@ -41,14 +42,14 @@ class Correlations(Shelf):
         bands, exclude
             Pairs (lower, upper) in Hz of FRFs whose lines alone count, or are left out.
         """
-        body = _wire.body(modal_model_id=modal_model_id, structure_id=structure_id, count=count)
-        body |= _wire.body(reduction=reduction, measurement_id=measurement_id)
+        body = _wire.body(modal_model_id=id_of(modal_model_id), structure_id=id_of(structure_id), count=count)
+        body |= _wire.body(reduction=reduction, measurement_id=id_of(measurement_id))
         body |= _wire.body(bands=bands, exclude=exclude or None)
         return self._read(self._transport.request("POST", self.path, json=body))
 
-    def get(self, correlation_id: str) -> Correlation:
+    def get(self, correlation_id: Identified) -> Correlation:
         """Return a correlation."""
-        return self._read(self._transport.request("GET", f"{self.path}/{correlation_id}"))
+        return self._read(self._transport.request("GET", f"{self.path}/{id_of(correlation_id)}"))
 
     def _read(self, reply: Any) -> Correlation:
         arrays = None

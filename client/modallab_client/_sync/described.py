@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from modallab_client import _matrices, _wire
+from modallab_client._plausibility import warned
 from modallab_client._sync.shelf import Shelf
 from modallab_client.results import Structure
 
@@ -19,7 +20,7 @@ class Described(Shelf):
 
     def create(self, **body: Any) -> Structure:
         """Return a new structure; the keywords are the JSON's names, `kind` among them."""
-        return _wire.reply(Structure, self._transport.request("POST", "/v1/structures", json=body))
+        return warned(_wire.reply(Structure, self._transport.request("POST", self.path, json=body)))
 
     def beam(
         self,
@@ -160,7 +161,7 @@ class Described(Shelf):
         reply = self._transport.request(
             "POST", f"{self.path}/import", files={"file": (file_name, content)}, data=data
         )
-        return _wire.reply(Structure, reply)
+        return warned(_wire.reply(Structure, reply))
 
     def import_mesh(
         self,

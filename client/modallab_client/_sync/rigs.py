@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from modallab_client import _wire
+from modallab_client._plausibility import warned
 from modallab_client._sync.shelf import Shelf
 from modallab_client.results import (
     Accelerometers,
@@ -17,6 +18,7 @@ from modallab_client.results import (
     StingerStiffness,
     Suspension,
 )
+from modallab_client.stored import Identified, id_of
 
 # Parts of a stored rig may be sent again.
 Part = Exciter | StingerRod | StingerStiffness | ForceTransducer | Accelerometers | Suspension | Analyser
@@ -64,8 +66,8 @@ class Rigs(Shelf):
         hardware = _wire.body(exciter=exciter, stinger=stinger, force_transducer=force_transducer)
         attached = _wire.body(accelerometers=accelerometers, suspension=suspension, effects=effects)
         body = test | hardware | attached
-        return _wire.reply(Rig, self._transport.request("POST", "/v1/rigs", json=body))
+        return warned(_wire.reply(Rig, self._transport.request("POST", self.path, json=body)))
 
-    def get(self, rig_id: str) -> Rig:
+    def get(self, rig_id: Identified) -> Rig:
         """Return a rig as it was declared."""
-        return _wire.reply(Rig, self._transport.request("GET", f"{self.path}/{rig_id}"))
+        return _wire.reply(Rig, self._transport.request("GET", f"{self.path}/{id_of(rig_id)}"))

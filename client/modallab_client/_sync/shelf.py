@@ -6,6 +6,7 @@ from typing import ClassVar
 from modallab_client import _wire
 from modallab_client._sync.transport import Transport
 from modallab_client.results import StoredEntry
+from modallab_client.stored import Identified, id_of
 
 
 class Shelf:
@@ -42,7 +43,7 @@ class Shelf:
 
     def describe(
         self,
-        id: str,
+        id: Identified,
         *,
         name: str | None = None,
         labels: Sequence[str] | None = None,
@@ -50,9 +51,9 @@ class Shelf:
     ) -> StoredEntry:
         """Return the entry of one with a new name, labels or comment; what is left out stays."""
         body = _wire.body(name=name, labels=None if labels is None else list(labels), comment=comment)
-        reply = self._transport.request("PATCH", f"{self.path}/{id}", json=body)
+        reply = self._transport.request("PATCH", f"{self.path}/{id_of(id)}", json=body)
         return _wire.read(_wire.entry, reply)
 
-    def delete(self, id: str) -> None:
+    def delete(self, id: Identified) -> None:
         """Remove one; things that others were made from stay, with a `ConflictError`."""
-        self._transport.request("DELETE", f"{self.path}/{id}")
+        self._transport.request("DELETE", f"{self.path}/{id_of(id)}")

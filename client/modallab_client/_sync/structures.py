@@ -4,11 +4,13 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from modallab_client import _wire, _wire_correlation
+from modallab_client._plausibility import warned
 from modallab_client._sync.described import Described
 from modallab_client._sync.modal_models import ModalModels
 from modallab_client.correlation import Expansion, ReducedModel
 from modallab_client.models import Frf, ModeShapes
 from modallab_client.results import ModalModel, Structure, StructureModes
+from modallab_client.stored import Identified, id_of
 
 JsonObject = Mapping[str, Any]
 
@@ -18,7 +20,7 @@ class Structures(Described):
 
     def change(
         self,
-        structure_id: str,
+        structure_id: Identified,
         changes: Sequence[JsonObject] = (),
         *,
         members: Sequence[int] | None = None,
@@ -47,28 +49,28 @@ class Structures(Described):
         location = _wire.body(members=members, node=node, dof=dof)
         change = location | _wire.body(property=property, factor=factor, value=value)
         body = {"changes": [*changes, change] if change else list(changes)}
-        path = f"/v1/structures/{structure_id}/changes"
-        return _wire.reply(Structure, self._transport.request("POST", path, json=body))
+        path = f"/v1/structures/{id_of(structure_id)}/changes"
+        return warned(_wire.reply(Structure, self._transport.request("POST", path, json=body)))
 
-    def get(self, structure_id: str) -> Structure:
+    def get(self, structure_id: Identified) -> Structure:
         """Return a structure."""
-        path = f"/v1/structures/{structure_id}"
+        path = f"/v1/structures/{id_of(structure_id)}"
         return _wire.reply(Structure, self._transport.request("GET", path))
 
-    def modes(self, structure_id: str, count: int = 10) -> StructureModes:
+    def modes(self, structure_id: Identified, count: int = 10) -> StructureModes:
         """Return frequencies and loss factors of the first elastic modes."""
-        path = f"/v1/structures/{structure_id}/modes"
+        path = f"/v1/structures/{id_of(structure_id)}/modes"
         reply = self._transport.request("GET", path, params={"count": count})
         return _wire.reply(StructureModes, reply)
 
-    def mode_shapes(self, structure_id: str, count: int = 10) -> ModeShapes:
+    def mode_shapes(self, structure_id: Identified, count: int = 10) -> ModeShapes:
         """Return the first elastic modes with their shapes."""
-        path = f"/v1/structures/{structure_id}/modes/arrays"
+        path = f"/v1/structures/{id_of(structure_id)}/modes/arrays"
         return _wire.read(_wire.mode_shapes, self._transport.npz(path, {"count": count}))
 
     def frf(
         self,
-        structure_id: str,
+        structure_id: Identified,
         *,
         drive: str,
         responses: Sequence[str],
@@ -93,12 +95,12 @@ class Structures(Described):
         """
         query = _wire.body(drive=drive, responses=list(responses), kind=kind)
         lines = _wire.body(frequency_max=frequency_max, n_lines=n_lines)
-        path = f"{self.path}/{structure_id}/frf"
+        path = f"{self.path}/{id_of(structure_id)}/frf"
         return _wire.read(_wire.frf, self._transport.npz(path, query | lines))
 
     def synthetic_modes(
         self,
-        structure_id: str,
+        structure_id: Identified,
         *,
         dofs: Sequence[str],
         count: int = 10,
@@ -121,12 +123,12 @@ class Structures(Described):
             Of the noise; the same seed gives the same numbers.
         """
         body = _wire.body(count=count, dofs=dofs, noise=noise, seed=seed)
-        path = f"/v1/structures/{structure_id}/synthetic-modes"
+        path = f"/v1/structures/{id_of(structure_id)}/synthetic-modes"
         reply = self._transport.request("POST", path, json=body)
         return ModalModels(self._transport).get(reply["id"])
 
     def expanded_modes(
-        self, structure_id: str, modal_model_id: str, *, reduction: str | JsonObject = "serep"
+        self, structure_id: Identified, modal_model_id: Identified, *, reduction: str | JsonObject = "serep"
     ) -> Expansion:
         """Return measured modes at all DoFs of a structure, as a modal model of their own.
 
@@ -138,14 +140,14 @@ class Structures(Described):
             How all DoFs follow the measured ones: a kind of `lab.catalog.reductions()`, or
             `{"kind": "dynamic", "parameters": {"frequency": 60.0}}`.
         """
-        body = {"modal_model_id": modal_model_id, "reduction": reduction}
-        path = f"{self.path}/{structure_id}/expanded-modes"
+        body = {"modal_model_id": id_of(modal_model_id), "reduction": reduction}
+        path = f"{self.path}/{id_of(structure_id)}/expanded-modes"
         reply = self._transport.request("POST", path, json=body)
         model = ModalModels(self._transport).get(reply["id"])
         return _wire.read(_wire_correlation.expansion, reply, model)
 
     def reduced(
-        self, structure_id: str, masters: Sequence[str], *, kind: str = "guyan", **parameters: float
+        self, structure_id: Identified, masters: Sequence[str], *, kind: str = "guyan", **parameters: float
     ) -> ReducedModel:
         """Return the structure at some of its DoFs.
 
@@ -161,10 +163,10 @@ class Structures(Described):
             Its numbers: `frequency` in Hz of `dynamic`, `iterations` of `irs`, `modes` of `serep`.
         """
         query = {"masters": list(masters), "kind": kind, **parameters}
-        arrays = self._transport.npz(f"{self.path}/{structure_id}/reduced", query)
+        arrays = self._transport.npz(f"{self.path}/{id_of(structure_id)}/reduced", query)
         return _wire.read(_wire_correlation.reduced, arrays)
 
-    def geometry(self, structure_id: str) -> bytes:
+    def geometry(self, structure_id: Identified) -> bytes:
         """Return nodes and members as a universal file (datasets 15 and 82)."""
-        content: bytes = self._transport.request("GET", f"{self.path}/{structure_id}/geometry.uff")
+        content: bytes = self._transport.request("GET", f"{self.path}/{id_of(structure_id)}/geometry.uff")
         return content

@@ -9,6 +9,7 @@ from modallab_client._sync.jobs import Job
 from modallab_client._sync.shelf import Shelf
 from modallab_client.methods.studies import StudyCoefficients, study_coefficients
 from modallab_client.results import Study
+from modallab_client.stored import Identified, id_of
 
 
 class Studies(Shelf):
@@ -18,8 +19,8 @@ class Studies(Shelf):
 
     def start(
         self,
-        structure_id: str,
-        truth_id: str,
+        structure_id: Identified,
+        truth_id: Identified,
         *,
         dofs: Sequence[str],
         method: str | None = None,
@@ -59,17 +60,17 @@ class Studies(Shelf):
         body |= _wire.body(parts=parts, lower=lower, upper=upper)
         if seeds is not None:
             body["seeds"] = list(seeds)
-        body |= {"structure_id": structure_id, "truth_id": truth_id, "dofs": list(dofs)}
+        body |= {"structure_id": id_of(structure_id), "truth_id": id_of(truth_id), "dofs": list(dofs)}
         job = self._transport.request("POST", self.path, json=body)
         return Job(job["id"], self._transport, self.get)
 
-    def get(self, study_id: str) -> Study:
+    def get(self, study_id: Identified) -> Study:
         """Return a finished study."""
-        reply = self._transport.request("GET", f"{self.path}/{study_id}")
+        reply = self._transport.request("GET", f"{self.path}/{id_of(study_id)}")
         study: Study = _wire.read(read_as, Study, reply)
         return study
 
-    def coefficients(self, study_id: str) -> StudyCoefficients:
+    def coefficients(self, study_id: Identified) -> StudyCoefficients:
         """Return the coefficients that all runs of a study found."""
-        arrays = self._transport.npz(f"{self.path}/{study_id}/arrays")
+        arrays = self._transport.npz(f"{self.path}/{id_of(study_id)}/arrays")
         return _wire.read(study_coefficients, arrays)

@@ -7,6 +7,7 @@ from html import escape
 from typing import TYPE_CHECKING, Any, cast
 
 from modallab_client import _plots, _tables
+from modallab_client._numbers import concise, gap
 from modallab_client.models import ComplexArray, FloatArray
 
 if TYPE_CHECKING:
@@ -95,6 +96,13 @@ class FittedParameterMethods:
         standard_error: float | None
         unit: str
 
+    def in_short(self) -> str:
+        """Return the value with its standard error in the last digits, and the unit: `0.010619(7) kg`."""
+        if self.value is None:
+            return str(self)
+        unit = "" if self.unit in ("", "1") else f" {self.unit}"
+        return f"{concise(self.value, self.standard_error)}{unit}"
+
     def __str__(self) -> str:
         if self.value is None:
             return "needs a level"
@@ -117,6 +125,13 @@ class FittedEffectMethods:
         at: str | Mapping[str, Any] | None
         parameters: Mapping[str, FittedParameter]
 
+    def in_short(self) -> str:
+        """Return kind, place and parameters, each with its standard error in the last digits."""
+        numbers = (
+            f"{name.replace('_', ' ')} {number.in_short()}" for name, number in self.parameters.items()
+        )
+        return ", ".join([effect_name(self.kind, self.at), *numbers])
+
     def __str__(self) -> str:
         numbers = ", ".join(f"{name} {number}" for name, number in self.parameters.items())
         return f"{effect_name(self.kind, self.at)}: {numbers}" if numbers else effect_name(self.kind, self.at)
@@ -136,6 +151,20 @@ class DiagnosisMethods:
         next_test: NextTest | None
         unknown: Unknown | None
 
+    def summary(self) -> str:
+        """Return verdict, kind, place and size of each effect, and the gap before and after, in sentences."""
+        verdict = self.verdict.replace("_", " ").capitalize()
+        left = "random error alone leaves 1"
+        if not self.steps:
+            remaining = (
+                "" if self.remaining_gap is None else f" The gap is {gap(self.remaining_gap)}; {left}."
+            )
+            return f"{verdict}.{remaining}"
+        effects = "; ".join(step.effect.in_short() for step in self.steps)
+        first, last = self.steps[0].gap_before, self.steps[-1].gap_after
+        gaps = f"falls from {_gap_text(first)} to {_gap_text(last)}"
+        return f"{verdict}: {effects}. The gap between test and prediction {gaps}; {left}."
+
     def table(self) -> str:
         """Return effect, place, probability and gaps of each step as text."""
         return _tables.text(*self._rows())
@@ -144,10 +173,9 @@ class DiagnosisMethods:
         head = ("step", "effect", "probability", "gap before", "gap after", "held out before", "after")
         rows = []
         for number, step in enumerate(self.steps, 1):
-            numbers = (step.probability, step.gap_before, step.gap_after)
-            held_out = (step.held_out_gap_before, step.held_out_gap_after)
-            cells = ("" if x is None else f"{x:.4g}" for x in (*numbers, *held_out))
-            rows.append((str(number), str(step.effect), *cells))
+            gaps = (step.gap_before, step.gap_after, step.held_out_gap_before, step.held_out_gap_after)
+            probability = f"{step.probability:.3g}"
+            rows.append((str(number), str(step.effect), probability, *map(_gap_text, gaps)))
         return head, rows
 
     def plot(self) -> "tuple[Axes, ...]":
@@ -164,7 +192,7 @@ class DiagnosisMethods:
         return _plots.diagnosis(cast("Diagnosis", self))
 
     def _repr_html_(self) -> str:
-        remaining = "" if self.remaining_gap is None else f", remaining gap {self.remaining_gap:.3g}"
+        remaining = "" if self.remaining_gap is None else f", remaining gap {gap(self.remaining_gap)}"
         verdict = self.verdict.replace("_", " ")
         table = _tables.html(*self._rows(), caption=f"Diagnosis {self.id}: {verdict}{remaining}")
         return table + "".join(f"<p>{escape(text)}</p>" for text in self.left_open())
@@ -187,6 +215,10 @@ class DiagnosisMethods:
             change = ", ".join(f"{name} {value}" for name, value in self.next_test.change.items())
             sentences.append(f"Next test: {change.replace('_', ' ')}; {self.next_test.why}.")
         return sentences
+
+
+def _gap_text(value: float | None) -> str:
+    return "" if value is None else gap(value)
 
 
 def effect_name(kind: str, at: str | Mapping[str, Any] | None) -> str:

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab_client import _plots
+from modallab_client import _plots, _tables
 from modallab_client._read import read_as
+from modallab_client.models import IntArray
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -16,7 +17,23 @@ if TYPE_CHECKING:
 
 
 class FitPlotDataMethods:
-    """A picture of one fit."""
+    """A picture of one fit, and its numbers."""
+
+    if TYPE_CHECKING:
+        mode: int
+        method: str
+        response: str
+        frequency: float
+        loss_factor: float
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("frequency", f"{self.frequency:.6g} Hz"),
+            ("loss factor", f"{self.loss_factor:.4g}"),
+        ]
+        return _tables.html(
+            (), rows, caption=f"Mode {self.mode} in the FRF at {self.response}, {self.method}"
+        )
 
     def plot(self) -> "tuple[Axes, ...]":
         """Draw magnitude, Nyquist plot and the plot of the method; return the axes.
@@ -33,7 +50,16 @@ class FitPlotDataMethods:
 
 
 class StabilisationChartMethods:
-    """A picture of the chart."""
+    """A picture of the chart, and its modes."""
+
+    if TYPE_CHECKING:
+        modes: tuple[float, ...]
+        order: IntArray
+
+    def _repr_html_(self) -> str:
+        rows = [(str(number), f"{frequency:.6g}") for number, frequency in enumerate(self.modes, 1)]
+        caption = f"Stabilisation chart of {len(self.order)} poles"
+        return _tables.html(("mode", "frequency Hz"), rows, caption=caption)
 
     def plot(self) -> "Axes":
         """Draw order over frequency, by stability, the modes and the CMIF behind; return the axes."""

@@ -59,6 +59,18 @@ class MeasurementMethods:
         """
         return _plots.measurement(cast("Measurement", self))
 
+    def summary(self) -> str:
+        """Return kind, size, lines, averages and median coherence in one sentence."""
+        n, n_out, n_in = self.values.shape
+        words = [
+            f"{self.kind} of {n_out} response{'s' * (n_out > 1)} and {n_in} force{'s' * (n_in > 1)}",
+            f"{n} lines from {self.freq[0]:g} to {self.freq[-1]:g} Hz",
+            "averages unknown" if np.isnan(self.averages) else f"{self.averages:.4g} averages",
+        ]
+        if self.coherence is not None:
+            words.append(f"median coherence {np.nanmedian(self.coherence):.4f}")
+        return ", ".join(words)
+
     def _repr_html_(self) -> str:
         rows = [
             ("kind", self.kind),
@@ -73,7 +85,18 @@ class MeasurementMethods:
 
 
 class IndicatorsMethods:
-    """A picture of mode indicator functions."""
+    """A picture of mode indicator functions, and their lines."""
+
+    if TYPE_CHECKING:
+        freq: FloatArray
+        inputs: tuple[str, ...]
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("inputs", ", ".join(self.inputs)),
+            ("lines", f"{len(self.freq)} from {self.freq[0]:g} to {self.freq[-1]:g} Hz"),
+        ]
+        return _tables.html((), rows, caption="Mode indicator functions")
 
     def plot(self) -> "tuple[Axes, Axes]":
         """Draw CMIF over MIF; return both axes."""

@@ -1,6 +1,5 @@
 """Modal models: arrays, tables and pictures."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from html import escape
@@ -10,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab_client import _plots, _tables
+from modallab_client._numbers import rounded
 from modallab_client._read import read_as
 from modallab_client.models import ComplexArray, FloatArray
 
@@ -73,6 +73,20 @@ class ModalModelMethods:
             parts.append(_tables.text(*self._doubtful_rows(), words=True))
         return "\n\n".join(parts)
 
+    def summary(self) -> str:
+        """Return how many modes there are, where, and their loss factors in one sentence."""
+        if not self.modes:
+            return f"No mode was found by {self.method}."
+        freq, loss = self.frequencies, self.loss_factors
+        plural = len(self.modes) > 1
+        where = f"from {freq.min():.4g} to {freq.max():.4g} Hz" if plural else f"at {freq[0]:.4g} Hz"
+        ends = dict.fromkeys((f"{loss.min():.3g}", f"{loss.max():.3g}"))
+        factors = " to ".join(ends)
+        doubtful = f"; doubtful besides: {len(self.doubtful)}" if self.doubtful else ""
+        source = self.method if self.method == "imported" else f"by {self.method}"
+        words = f"{len(self.modes)} mode{'s' * plural} {where} {source}"
+        return f"{words}, loss factor{'s' * plural} {factors}{doubtful}."
+
     def _rows(self) -> _tables.Table:
         scattered = any(mode.frequency_spread is not None for mode in self.modes)
         head = ("mode", "quantity", "value", "std error", *_STATISTICS[: 4 * scattered], "flags")
@@ -85,7 +99,9 @@ class ModalModelMethods:
             ):
                 error = mode.standard_errors.get(quantity)
                 cells = _scatter(spread)[: 4 * scattered]
-                rows.append((first, _NAMES[quantity], _digits(value, error), _error(error), *cells, words))
+                rows.append(
+                    (first, _NAMES[quantity], rounded(value, error, least=5), _error(error), *cells, words)
+                )
         return head, rows
 
     def _doubtful_rows(self) -> _tables.Table:
@@ -119,7 +135,6 @@ class ModalModelMethods:
 
 _STATISTICS = ("min", "max", "mean", "sd")
 _NAMES = {"frequency": "frequency Hz", "loss_factor": "loss factor"}
-_DIGITS = (5, 9)  # fewest and most of a value with a standard error
 
 
 def _counted(kind: str, count: int) -> str:
@@ -135,15 +150,6 @@ def _scatter(spread: "Spread | None") -> tuple[str, ...]:
 
 def _error(error: float | None) -> str:
     return "" if error is None else f"{error:.2g}"
-
-
-def _digits(value: float, error: float | None) -> str:
-    """Return a value with as many digits as two of its standard error need."""
-    least, most = _DIGITS
-    if not error or not value or not (math.isfinite(error) and math.isfinite(value)):
-        return f"{value:.{least}g}"
-    needed = math.floor(math.log10(abs(value))) - math.floor(math.log10(abs(error))) + 2
-    return f"{value:#.{min(max(needed, least), most)}g}"
 
 
 def modal_model_of(data: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> "ModalModel":

@@ -1,9 +1,42 @@
-"""Structures: a table of computed modes."""
+"""Structures: their size, and a table of computed modes."""
 
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, ClassVar
 
 from modallab_client import _tables
 from modallab_client.models import FloatArray
+
+if TYPE_CHECKING:
+    from modallab_client._generated.models import PhysicsWarning
+
+
+class StructureMethods:
+    """A sentence and a table on a structure."""
+
+    compared: ClassVar[bool] = True
+    if TYPE_CHECKING:
+        id: str
+        name: str
+        n_nodes: int
+        n_dofs: int
+        members: int
+        groups: Mapping[str, tuple[int, ...]]
+        warnings: Sequence[PhysicsWarning]
+
+    def summary(self) -> str:
+        """Return name and size in one sentence."""
+        size = f"{self.n_nodes} nodes, {self.n_dofs} degrees of freedom, {self.members} members"
+        return f"{self.name or 'structure'}: {size}"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("nodes", str(self.n_nodes)),
+            ("degrees of freedom", str(self.n_dofs)),
+            ("members", str(self.members)),
+            *((f"group {name}", f"{len(numbers)} members") for name, numbers in self.groups.items()),
+            *(("warning", f"{warning.field}: {warning.message}") for warning in self.warnings),
+        ]
+        return _tables.html((), rows, caption=f"Structure {self.id} {self.name}".rstrip())
 
 
 class StructureModesMethods:

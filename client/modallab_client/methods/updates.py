@@ -1,9 +1,12 @@
 """Updates: tables, pictures and arrays of the results of each family of methods."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from modallab_client import _plots, _tables
+from modallab_client._numbers import concise, rounded
 from modallab_client._read import read_as
 from modallab_client.models import FloatArray
 
@@ -11,6 +14,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from modallab_client._generated.models import DirectUpdate, DofError, MacroElement
+
+_NAMED = 5  # coefficients that a summary names
+_LEAST_CHANGE = 1e-3  # of a coefficient that counts as corrected: models are not known any better
 
 Table = Mapping[str, Mapping[int, float]]
 """Numbers by part and member."""
@@ -52,6 +58,10 @@ class Update:
         """Return coefficients with standard errors and 95 % intervals, or the errors located, as text."""
         return _tables.text(*self._rows())
 
+    def summary(self) -> str:
+        """Return in plain sentences how the method ended, and what it corrected."""
+        return f"{self.stopped_because[:1].upper()}{self.stopped_because[1:]}."
+
     def _rows(self) -> _tables.Table:
         raise NotImplementedError
 
@@ -79,14 +89,46 @@ class _CorrectedCoefficients(Update):
             (
                 part,
                 str(member),
-                f"{value:.4g}",
-                _error(self.standard_errors.get(part, {}).get(member)),
+                rounded(value, error),
+                _error(error),
                 _ends(self.intervals.get(part, {}).get(member)),
             )
-            for part, members in self.coefficients.items()
-            for member, value in members.items()
+            for part, member, value, error in self._known()
         ]
         return ("part", "member", "coefficient", "standard error", "95 % by the data"), rows
+
+    def _known(self) -> Iterator[tuple[str, int, float, float | None]]:
+        """Yield part, member, coefficient and standard error."""
+        for part, members in self.coefficients.items():
+            for member, value in members.items():
+                yield part, member, value, self.standard_errors.get(part, {}).get(member)
+
+    def summary(self) -> str:
+        """Return how the method ended, the coefficients that it corrected, and the frequencies."""
+        changed = sorted(
+            (
+                (abs(value - _unchanged(part)), part, member, value, error)
+                for part, member, value, error in self._known()
+                if abs(value - _unchanged(part)) > max(_LEAST_CHANGE, 2 * (error or 0.0))
+            ),
+            reverse=True,
+        )
+        names = [f"{part} of {member} {concise(value, error)}" for _, part, member, value, error in changed]
+        more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+        corrected = (
+            f"Corrected: {', '.join(names[:_NAMED])}{more}." if names else "No coefficient was corrected."
+        )
+        return " ".join([super().summary(), corrected, *self._frequencies()])
+
+    def _frequencies(self) -> list[str]:
+        """Return how far the natural frequencies differ, where both sides are known mode by mode."""
+        stages = [self.frequencies.get(name) for name in ("measured", "before", "after")]
+        known = [np.asarray(stage, dtype=float) for stage in stages if stage is not None]
+        if len(known) < len(stages) or len({len(stage) for stage in known}) > 1 or not len(known[0]):
+            return []
+        measured, before, after = known
+        first, last = (100 * np.nanmax(np.abs(stage / measured - 1)) for stage in (before, after))
+        return [f"Natural frequencies differ by at most {first:.2g} % before and {last:.2g} % after."]
 
     def plot(self) -> "Axes":
         """Draw the coefficients by member with their standard errors; return the axes.
@@ -219,7 +261,17 @@ def _error(value: float | None) -> str:
 
 
 def _ends(interval: tuple[float, float] | None) -> str:
-    return "" if interval is None else f"{interval[0]:.3g} to {interval[1]:.3g}"
+    """Return the ends of an interval of 95 %, to one digit of the standard error."""
+    if interval is None:
+        return ""
+    lower, upper = interval
+    one_digit = 10 * (upper - lower) / 4
+    return " to ".join(f"{float(rounded(end, one_digit, least=3)):.12g}" for end in interval)
+
+
+def _unchanged(part: str) -> float:
+    """Return the coefficient of a part that is as in the model."""
+    return 0.0 if part == "damping" else 1.0
 
 
 def update_of(data: Mapping[str, Any]) -> Update:

@@ -63,7 +63,7 @@ def durable_runner(settings: ServiceSettings) -> DurableRunner:
 def create_app(
     settings: ServiceSettings, runner: JobRunner | None = None, processes: RequestProcesses | None = None
 ) -> FastAPI:
-    """Return the application, its database prepared by `modallab.api.cli` or `modallab init`.
+    """Return the application, its database prepared by `modallab serve` or `modallab init`.
 
     Parameters
     ----------

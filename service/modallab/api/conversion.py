@@ -1,17 +1,14 @@
 """Conversion of files of FRFs without a service, for `modallab convert`."""
 
 import io
-import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from modallab.api.settings import ServiceSettings
 from modallab.core.errors import InvalidInputError
-from modallab.core.frf import FrfKind
 from modallab.interchange import frf_text, hdf5, uff
 from modallab.interchange.confinement import NamedFile
 from modallab.interchange.declared import DeclaredTest
@@ -21,7 +18,6 @@ from modallab.interchange.settings import FRF_TEXT_FILE
 from modallab.rig.measurement import Measurement
 from modallab.store.codec import arrays_of
 
-_MAPPINGS = ("map", "columns", "variables")
 _UNUSED = ("exciter", "window")  # assumptions that no file tells
 
 
@@ -43,8 +39,8 @@ _WRITERS: dict[str, Callable[[Measurement], bytes]] = {
 
 def convert_files(
     files: Sequence[Path], out: Path, options: ReadingOptions, averages: float | None
-) -> list[str]:
-    """Write the FRFs of files in another format; return a line on them, and one on each assumption.
+) -> Measurement:
+    """Write the FRFs of files in another format; return them.
 
     Raises
     ------
@@ -66,47 +62,13 @@ def convert_files(
             named, None, largest=largest, options=options, declared=DeclaredTest(averages)
         )
     out.write_bytes(writer(measurement))
+    return measurement
+
+
+def lines_about(measurement: Measurement, out: Path) -> list[str]:
+    """Return a line on the FRFs of a file, and one on each assumption."""
     frf = measurement.frf
     size = f"{len(frf.outputs)} responses x {len(frf.inputs)} forces, {len(frf.freq)} lines"
     lines = [f"{out}: {frf.kind.value}, {size} from {frf.freq[0]:g} to {frf.freq[-1]:g} Hz"]
     assumed = [a for a in measurement.assumed if a.quantity not in _UNUSED]
     return [*lines, *(f"assumed {a.quantity}: {a.value} ({a.reason})" for a in assumed)]
-
-
-def options_of(flags: Mapping[str, Any]) -> ReadingOptions:
-    """Return the options that flags state: mappings as lists of `name=value`, a scale as JSON.
-
-    Raises
-    ------
-    InvalidInputError
-        If a flag cannot be read.
-    """
-    stated = {name: value for name, value in flags.items() if value not in (None, [])}
-    try:
-        scale = json.loads(stated.pop("scale", "1"))
-        kind = FrfKind(stated.pop("kind")) if "kind" in stated else None
-    except ValueError:
-        raise InvalidInputError(
-            "a scale is a number or JSON, a kind one of those allowed",
-            field="scale",
-            allowed=["9.81", '{"response": 9.81}', *FrfKind],
-        ) from None
-    if not isinstance(scale, (int, float, dict)):
-        raise InvalidInputError("a scale is a number, or JSON", field="scale", value=str(scale))
-    given: dict[str, Any] = {
-        name: _mapping(name, value) if name in _MAPPINGS else value for name, value in stated.items()
-    }
-    given |= {name: tuple(given[name]) for name in ("outputs", "inputs") if name in given}
-    return ReadingOptions(scale=scale, kind=kind, **given)
-
-
-def _mapping(name: str, texts: list[str]) -> dict[str, Any]:
-    """Return flags `name=value` as a mapping; values that several flags give one name, as a tuple."""
-    mapping: dict[str, Any] = {}
-    for text in texts:
-        key, equals, value = text.partition("=")
-        if not (key and equals and value):
-            raise InvalidInputError("not of the form name=value", field=name, value=text)
-        several = (*mapping.get(key, ()), value) if name == "columns" else value
-        mapping[key] = several
-    return mapping

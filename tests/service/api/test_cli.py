@@ -4,9 +4,9 @@ import sqlite3
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
+from click.testing import CliRunner
 
-from modallab.api.cli import app
+from modallab_cli.app import app
 
 FIRST_KEY = ["keys", "create", "--role", "admin", "--name", "root"]
 

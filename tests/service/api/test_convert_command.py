@@ -3,10 +3,10 @@
 from pathlib import Path
 
 import numpy as np
-from typer.testing import CliRunner
+from click.testing import CliRunner
 
 from benchmarks.strange_cases import curves, table
-from modallab.api.cli import app
+from modallab_cli.app import app
 from tests.reading import content_here
 
 GRAVITY = 9.80665

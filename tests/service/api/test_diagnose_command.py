@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from click.testing import CliRunner, Result
 from pydantic import TypeAdapter
-from typer.testing import CliRunner, Result
 
-from modallab.api.cli import app
 from modallab.api.rigs.schemas import RigIn
 from modallab.api.structures.schemas import StructureIn
 from modallab.core.dof import Dof
@@ -23,6 +22,7 @@ from modallab.rig.measure import Route, measure
 from modallab.rig.measurement import Measurement
 from modallab.store.codec import arrays_of
 from modallab.store.npz import pack
+from modallab_cli.app import app
 from tests.bodies import free_beam
 
 MODEL: Mapping[str, Any] = free_beam()
@@ -180,3 +180,12 @@ def test_without_coherence_the_random_error_is_estimated_or_stated(
         assert done.exit_code == 0, done.stderr
     assert "Missing effect: extra mass at 4:+Y." in done.stdout
     assert "no usable coherence" in done.stdout
+
+
+def test_a_slip_in_a_file_is_named_on_stderr(folder: Path) -> None:
+    once = {**RIG, "analyser": RIG["analyser"] | {"averages": 1}}
+    (folder / "once.json").write_text(json.dumps(once), encoding="utf-8")
+    done = run(folder, *FEW, "--rig", str(folder / "once.json"), "--noise-floor", "1e-3", "--json")
+    assert done.exit_code == 0, done.stderr
+    assert "warning: analyser.averages: with one average the coherence is 1" in done.stderr
+    assert "warning" not in done.stdout

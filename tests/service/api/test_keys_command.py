@@ -5,9 +5,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner, Result
+from click.testing import CliRunner, Result
 
-from modallab.api.cli import app
+from modallab_cli.app import app
 
 Run = Callable[..., Result]
 

@@ -78,3 +78,12 @@ def test_every_single_mode_method_runs_over_http(service: Any, measured: str, be
     # a peak is known to half a line of 2 Hz; fits to the random error and the bend of others
     atol = 1.0 if method == "peak_picking" else 0.05
     np.testing.assert_allclose(found, exact, atol=atol)
+
+
+@pytest.mark.parametrize("name", ["bands", "exclude"])
+def test_bands_beyond_the_test_are_refused_before_the_job(service: Any, measured: str, name: str) -> None:
+    body = {"measurement_id": measured, name: [[20.0, 30.0], [900.0, 950.0]]}
+    refused = service.post("/v1/modal-models", body, status=422)
+    assert refused["context"]["field"] == name
+    assert refused["context"]["value"] == [900.0, 950.0]
+    assert "0 to 800 Hz" in refused["detail"]

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from modallab.api.settings import ServiceSettings
-from modallab.api.starting import UNUSABLE
 from modallab.store.place import engine_of
+from modallab_cli.starting import UNUSABLE
 
 
 def start(data: Path, *, largest_file: int | None = None) -> subprocess.CompletedProcess[str]:

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from typing import Annotated, Any
 
-from fastapi import APIRouter, status
+from fastapi import APIRouter, Query, status
 from starlette.responses import HTMLResponse, Response
 
 from modallab.api import array_tables
@@ -11,7 +11,7 @@ from modallab.api.arrays import ArraysFormatDep
 from modallab.api.deps import IdPath, JobsDep, OwnerDep, RequestKeyDep, SettingsDep, StoreDep
 from modallab.api.diagnoses.follow_ups import check_follow_ups
 from modallab.api.diagnoses.replies import Adoption, DiagnosisReply, diagnosis_reply
-from modallab.api.diagnoses.schemas import DiagnosisStart
+from modallab.api.diagnoses.schemas import DiagnosisStart, ReportHeadingQuery
 from modallab.api.examples import example
 from modallab.api.jobs import JobReply, job_reply
 from modallab.api.offloading.route import OffloadedRoute
@@ -87,11 +87,14 @@ def get_diagnosis_arrays(id: IdPath, store: StoreDep, form: ArraysFormatDep) -> 
 
 
 @router.get("/{id}/report", response_class=HTMLResponse, summary="Get the report of a diagnosis")
-def get_diagnosis_report(id: IdPath, store: StoreDep) -> HTMLResponse:
+def get_diagnosis_report(
+    id: IdPath, store: StoreDep, heading: Annotated[ReportHeadingQuery, Query()]
+) -> HTMLResponse:
     """Return the report of a diagnosis as one self-contained HTML page."""
     entry = store.diagnoses.entry(id)
     origin = {**entry.inputs, "id": entry.id, "created": entry.created, "version": entry.version}
-    return HTMLResponse(report(store.diagnoses.get(id), origin), headers=_STATIC)
+    page = report(store.diagnoses.get(id), origin, heading.to_domain())
+    return HTMLResponse(page, headers=_STATIC)
 
 
 @router.post(

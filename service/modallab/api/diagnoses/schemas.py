@@ -1,15 +1,17 @@
 """Wire types of diagnoses."""
 
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import Field, StringConstraints
 
 from modallab.api.deps import Id
 from modallab.api.derived import body_of, options_from
 from modallab.api.diagnoses.follow_ups import FollowUpIn
 from modallab.api.limits import REQUEST
+from modallab.api.wire import Wanted
 from modallab.core.dof import Dof
 from modallab.diagnosis.options import DiagnosisOptions
+from modallab.diagnosis.reporting.heading import ReportHeading
 from modallab.fe.structure import Structure
 from modallab.jobs.diagnosing import DiagnosisInputs
 from modallab.rig.effect import EFFECTS
@@ -51,3 +53,23 @@ def diagnosis_options(body: Any) -> DiagnosisOptions:
     for kind in options.suspects or ():
         EFFECTS[kind]
     return options
+
+
+_Line = Annotated[str, StringConstraints(max_length=200, pattern=r"^[^\x00]*$")]
+
+
+class ReportHeadingQuery(Wanted):
+    """What a report says of itself at its top; left out: nothing."""
+
+    title: _Line = ""
+    """title above the finding"""
+    object: _Line = ""
+    """object that was tested"""
+    author: _Line = ""
+    """who made the test or the report"""
+    date: _Line = ""
+    """date of the test or the report"""
+
+    def to_domain(self) -> ReportHeading:
+        """Return the heading."""
+        return ReportHeading(self.title, self.object, self.author, self.date)

@@ -2,10 +2,12 @@
 
 from typing import Any
 
-from modallab.api.replies import reply_of, stored_reply
+from modallab.api.replies import replies_of, reply_of, stored_reply
 from modallab.api.rigs.replies import SetupReply, rig_request, setup_reply
 from modallab.core.frf import FrfKind
+from modallab.core.physics_warning import PhysicsWarning
 from modallab.rig.measurement import Measurement
+from modallab.rig.plausibility import measurement_warnings
 from modallab.store.base import Entry, Truth
 
 _PARTS = ("frf", "setup", "seed")
@@ -22,6 +24,7 @@ MeasurementReply = stored_reply(
     n_lines=(int, "Number of frequency lines."),
     frequency_min=(float, "Hz, frequency of the first line."),
     frequency_max=(float, "Hz, frequency of the last line."),
+    warnings=(replies_of(PhysicsWarning), "What is surely a slip of a unit or a setting."),
 )
 LogReply = stored_reply(
     Measurement,
@@ -47,6 +50,7 @@ def measurement_reply(measurement: Measurement, entry: Entry) -> Any:
         n_lines=len(frf.freq),
         frequency_min=float(frf.freq[0]),
         frequency_max=float(frf.freq[-1]),
+        warnings=measurement_warnings(measurement),
     )
 
 

@@ -37,6 +37,7 @@ from modallab.api.offloading.route import OffloadedRoute
 from modallab.api.shelves import add_routes
 from modallab.api.thinning import Points
 from modallab.core.dof import Dof
+from modallab.core.line_options import line_mask
 from modallab.core.modal_model import ModalModel
 from modallab.interchange import uff_modes
 from modallab.interchange.reading import read_modal_model
@@ -71,8 +72,13 @@ def start_modal_model(
 ) -> Any:
     """Start a job that extracts modes from a measurement."""
     store.measurements.check(body.measurement_id)
+    inputs, request = body.to_task()
+    if request.bands is not None or request.exclude:
+        # Bands beyond the test are refused here: the job could only fail.
+        freq = store.measurements.get(body.measurement_id).frf.freq
+        line_mask(freq, request.bands, request.exclude)
     return job_reply(
-        jobs.submit(EXTRACTION.name, EXTRACTION.arguments(*body.to_task()), owner=owner, request=request_key)
+        jobs.submit(EXTRACTION.name, EXTRACTION.arguments(inputs, request), owner=owner, request=request_key)
     )
 
 

@@ -3,14 +3,21 @@
 from dataclasses import dataclass
 from typing import Any
 
-from modallab.api.replies import reply, reply_of, stored_reply
+from modallab.api.replies import replies_of, reply, reply_of, stored_reply
+from modallab.core.physics_warning import PhysicsWarning
 from modallab.rig.checks import CheckResult
+from modallab.rig.plausibility import rig_warnings
 from modallab.rig.setup import RigSetup
 from modallab.store.base import Entry
 
 _DRIVE: tuple[Any, str] = (str, "First drive point.")
 SetupReply: Any = reply(RigSetup, "RigSetup", drive=_DRIVE)
-RigReply = stored_reply(RigSetup, "Rig", drive=_DRIVE)
+RigReply = stored_reply(
+    RigSetup,
+    "Rig",
+    drive=_DRIVE,
+    warnings=(replies_of(PhysicsWarning), "What is surely a slip of a unit or a setting."),
+)
 
 
 @dataclass(frozen=True)
@@ -30,7 +37,7 @@ ChecksReply: Any = reply_of(RigChecks)
 
 def rig_reply(setup: RigSetup, entry: Entry) -> Any:
     """Return the reply of a stored rig."""
-    return RigReply.of(setup, entry, drive=str(setup.drive))
+    return RigReply.of(setup, entry, drive=str(setup.drive), warnings=rig_warnings(setup))
 
 
 def setup_reply(setup: RigSetup) -> Any:

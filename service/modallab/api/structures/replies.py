@@ -4,10 +4,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from modallab.api.replies import stored_reply
+from modallab.api.replies import replies_of, stored_reply
+from modallab.core.physics_warning import PhysicsWarning
 from modallab.core.reply import Vector
 from modallab.fe.modes import ModalBasis
 from modallab.fe.structure import Structure
+from modallab.rig.plausibility import structure_warnings
 from modallab.store.base import Entry
 
 
@@ -37,7 +39,11 @@ class ElasticModes:
     """Number of rigid-body modes, which are not listed."""
 
 
-StructureReply = stored_reply(StructureSummary, "Structure")
+StructureReply = stored_reply(
+    StructureSummary,
+    "Structure",
+    warnings=(replies_of(PhysicsWarning), "What is surely a slip of a unit or a setting."),
+)
 ModesReply = stored_reply(ElasticModes, "StructureModes")
 
 
@@ -49,7 +55,7 @@ def structure_reply(structure: Structure, entry: Entry) -> Any:
         len(structure.all_members),
         {name: tuple(numbers) for name, numbers in structure.groups.items()},
     )
-    return StructureReply.of(summary, entry)
+    return StructureReply.of(summary, entry, warnings=structure_warnings(structure))
 
 
 def modes_reply(basis: ModalBasis, n_rigid_body: int, entry: Entry) -> Any:

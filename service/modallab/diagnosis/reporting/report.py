@@ -9,6 +9,7 @@ import numpy as np
 from modallab.diagnosis.localisation.text import PATTERNS_WITHOUT_MODES
 from modallab.diagnosis.reporting import svg
 from modallab.diagnosis.reporting.figures import all_curves, enlarged
+from modallab.diagnosis.reporting.heading import NO_HEADING, ReportHeading, heading_line
 from modallab.diagnosis.reporting.legend import keys
 from modallab.diagnosis.reporting.location_plot import location_drawings
 from modallab.diagnosis.reporting.page import Row, page, paragraph, table
@@ -68,7 +69,11 @@ CONSIDERED = (
 )
 
 
-def report(diagnosis: Diagnosis, provenance: Mapping[str, str] | None = None) -> str:
+def report(
+    diagnosis: Diagnosis,
+    provenance: Mapping[str, str] | None = None,
+    heading: ReportHeading = NO_HEADING,
+) -> str:
     """Return a diagnosis as one self-contained HTML page.
 
     The page states the missing effects with their places, sizes and probabilities, shows measured and
@@ -79,11 +84,14 @@ def report(diagnosis: Diagnosis, provenance: Mapping[str, str] | None = None) ->
     provenance
         Origin of the diagnosis: `id`, `created`, `version`, `structure_id`, `measurement_id`; or the `call`
         that made it.
+    heading
+        Title, object, author and date.
     """
     title, added = headline(diagnosis), bool(diagnosis.steps)
     parts = [
-        paragraph("Diagnosis of a modal test", "soft"),
+        paragraph(heading.title or "Diagnosis of a modal test", "soft"),
         f"<h1>{escape(title)}</h1>",
+        heading_line(heading),
         paragraph(verdict_text(diagnosis), "lead"),
         _missing_effects(diagnosis),
         unknown_section(diagnosis.unknown),

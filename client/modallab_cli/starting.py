@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
 
+import click
 import sqlalchemy as sa
-import typer
 
 from modallab.api.settings import ServiceSettings
 from modallab.core.errors import ModalLabError, sentence
@@ -29,8 +29,8 @@ def told_in_a_sentence() -> Iterator[None]:
 
 
 def _end(message: str) -> None:
-    typer.echo(f"modallab: {message}", err=True)
-    raise typer.Exit(UNUSABLE)
+    click.echo(f"modallab: {message}", err=True)
+    raise click.exceptions.Exit(UNUSABLE)
 
 
 def prepare(settings: ServiceSettings) -> None:
@@ -75,5 +75,5 @@ def lock_of(folder: Path) -> sqlite3.Connection:
         except sqlite3.OperationalError as error:
             if "locked" not in str(error):
                 raise
-            raise typer.BadParameter(f"another service works in {folder}", param_hint="--data") from None
+            raise click.BadParameter(f"another service works in {folder}", param_hint="--data") from None
     return lock

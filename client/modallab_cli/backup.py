@@ -3,56 +3,52 @@
 import os
 from contextlib import suppress
 from pathlib import Path
-from typing import Annotated, Any
 
-import typer
+import click
 
-_Data = Annotated[Path | None, typer.Option(help="Folder for arrays and the embedded database.")]
+from modallab_cli.arguments import READ, WRITTEN
+from modallab_cli.settings import settings_of
+
+_data = click.option("--data", type=WRITTEN, help="Folder for arrays and the embedded database.")
 
 
-def backup(
-    file: Annotated[Path, typer.Argument(dir_okay=False, help="File to write; one that exists is replaced.")],
-    data: _Data = None,
-) -> None:
+@click.command()
+@click.argument("file", type=click.Path(dir_okay=False, path_type=Path))
+@_data
+def backup(file: Path, data: Path | None) -> None:
     """Write everything that a lab keeps to one file, as of one moment; the service may go on."""
-    from modallab.api.starting import told_in_a_sentence
     from modallab.store.backup import back_up
+    from modallab_cli.starting import told_in_a_sentence
 
     part = file.with_name(f"{file.name}.part")
     try:
         with told_in_a_sentence():
             with part.open("wb") as out:
-                counts = back_up(_settings(data).store_place, out)
+                counts = back_up(settings_of(data=data).store_place, out)
                 out.flush()
                 os.fsync(out.fileno())
             os.replace(part, file)
     finally:
         with suppress(OSError):
             part.unlink(missing_ok=True)
-    typer.echo(f"{file}: {_words(counts)}, {file.stat().st_size / 1e6:.1f} MB")
+    click.echo(f"{file}: {_words(counts)}, {file.stat().st_size / 1e6:.1f} MB")
 
 
-def restore(
-    file: Annotated[Path, typer.Argument(exists=True, dir_okay=False, help="File of `modallab backup`.")],
-    data: _Data = None,
-) -> None:
+@click.command()
+@click.argument("file", type=READ)
+@_data
+def restore(file: Path, data: Path | None) -> None:
     """Make an empty place into the lab of a backup; jobs that had not ended are done anew."""
-    from modallab.api.starting import lock_of, told_in_a_sentence
     from modallab.store import backup as backups
+    from modallab_cli.starting import lock_of, told_in_a_sentence
 
-    settings = _settings(data)
+    settings = settings_of(data=data)
     lock = lock_of(settings.data) if settings.embedded else None
     with told_in_a_sentence():
         counts = backups.restore(settings.store_place, file)
         settings.job_place.prepare()
-    typer.echo(f"{settings.data}: {_words(counts)}")
+    click.echo(f"{settings.data}: {_words(counts)}")
     del lock
-
-
-def _settings(data: Path | None) -> Any:
-    from modallab.api.settings import ServiceSettings
-
-    return ServiceSettings() if data is None else ServiceSettings(data=data)
 
 
 def _words(counts: dict[str, int]) -> str:

@@ -1,20 +1,19 @@
 """Flags of a command, derived from an options dataclass."""
 
-import inspect
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import Field, fields
-from typing import Annotated, Any, get_args, get_origin, get_type_hints
+from typing import Any, get_args, get_origin, get_type_hints
 
-import typer
+import click
 
 from modallab.core.errors import bounds, in_words
 from modallab.core.options import Options, OptionSpec
+from modallab_cli.arguments import Decorator
+from modallab_cli.keywords import with_flags
 
 
-def with_flags(
-    command: Callable[..., None], options: type[Options], *, without: Sequence[str] = ()
-) -> Callable[..., None]:
-    """Return a command that takes each option as a flag, in place of its keywords `**flags`.
+def with_options(options: type[Options], *, without: Sequence[str] = ()) -> Decorator:
+    """Return a decorator that gives a command each option as a flag, for its own `**flags`.
 
     Sequences and nested options may be repeated; their flag has the singular as a second name. A flag left
     out is None: the dataclass gives the default.
@@ -27,29 +26,14 @@ def with_flags(
     hints = get_type_hints(options)
     names = options.specs().keys() - set(without)
     declared = [f for f in fields(options) if f.name in names]  # type: ignore[arg-type]
-    flags = {f.name: _flag(hints[f.name], options.specs()[f.name], f) for f in declared}
-    signature = inspect.signature(command)
-    positional = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
-    keywords = [
-        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=flag)
-        for name, flag in flags.items()
-    ]
-
-    def run(**arguments: Any) -> None:
-        command(**arguments)
-
-    annotations = get_type_hints(command, include_extras=True)
-    run.__name__, run.__doc__ = command.__name__, command.__doc__
-    run.__signature__ = signature.replace(parameters=[*positional, *keywords])  # type: ignore[attr-defined]
-    run.__annotations__ = {name: annotations[name] for name in annotations if name != "flags"} | flags
-    return run
+    return with_flags([_flag(hints[f.name], options.specs()[f.name], f) for f in declared])
 
 
-def _flag(hint: Any, spec: OptionSpec, declared: Field[Any]) -> Any:
-    """Return the annotation of a flag: its type, its names, and the help with unit, bounds and default."""
+def _flag(hint: Any, spec: OptionSpec, declared: Field[Any]) -> Decorator:
+    """Return a flag: its type, its names, and the help with unit, bounds and default."""
     nested = _nested(hint)
     repeated = nested is not None or _is_sequence(hint)
-    kind = list[str] if repeated else next(h for h in (*get_args(hint), hint) if isinstance(h, type))
+    kind: Any = str if repeated else next(h for h in (*get_args(hint), hint) if isinstance(h, type))
     name = f"--{declared.name.replace('_', '-')}"
     names = dict.fromkeys((name, name.removesuffix("s") if repeated else name))
     limits = bounds(spec.lower, spec.upper, exclusive_minimum=spec.exclusive_minimum, unit=spec.unit)
@@ -60,9 +44,12 @@ def _flag(hint: Any, spec: OptionSpec, declared: Field[Any]) -> Any:
     form = _form(nested) if nested is not None else "lower:upper" if _is_sequence_of_pairs(hint) else ""
     repeat = "may be repeated" if repeated else ""
     details = "; ".join(text for text in (allowed, *spec.choices, form, shown, repeat) if text)
-    return Annotated[
-        kind | None, typer.Option(*names, help=f"{spec.doc} ({details})" if details else spec.doc)
-    ]
+    text = f"{spec.doc} ({details})" if details else spec.doc
+    if kind is bool:
+        return click.option(f"{name}/{name.replace('--', '--no-')}", declared.name, default=None, help=text)
+    kind = str if issubclass(kind, str) else kind
+    unset = () if repeated else None  # the service has the defaults
+    return click.option(*names, declared.name, type=kind, multiple=repeated, default=unset, help=text)
 
 
 def request_of(options: type[Options], flags: Mapping[str, Any]) -> dict[str, Any]:
@@ -70,22 +57,24 @@ def request_of(options: type[Options], flags: Mapping[str, Any]) -> dict[str, An
 
     Raises
     ------
-    typer.BadParameter
+    click.BadParameter
         If a value of a nested option cannot be read.
     """
     hints = get_type_hints(options)
     request: dict[str, Any] = {}
     for name, value in flags.items():
         nested = _nested(hints[name])
-        if value is not None and value != []:
+        if value not in (None, (), []):
             choices = options.specs()[name].choices
             request[name] = (
                 value[0]
                 if nested is not None and len(value) == 1 and value[0] in choices
                 else _nested_values(name, nested, value)
                 if nested is not None
-                else [_pair(name, text) for text in value]
+                else [pair(name, text) for text in value]
                 if _is_sequence_of_pairs(hints[name])
+                else list(value)
+                if isinstance(value, tuple)
                 else value
             )
     return request
@@ -102,7 +91,7 @@ def _nested_values(name: str, options: type[Options], texts: Sequence[str]) -> d
         number = _number(value)
         repeated = _is_sequence(hints.get(field))
         if not field or (number is None and not repeated) or (field in values and not repeated):
-            raise typer.BadParameter(
+            raise click.BadParameter(
                 f"{text!r} is not {_form(options)}", param_hint=f"--{name.replace('_', '-')}"
             )
         values[field] = [*values.get(field, []), value] if repeated else number
@@ -143,12 +132,12 @@ def _is_sequence_of_pairs(hint: Any) -> bool:
     return any(get_origin(entry) is tuple for member in sequences for entry in get_args(member)[:1])
 
 
-def _pair(name: str, text: str) -> list[float]:
+def pair(name: str, text: str) -> list[float]:
     """Return the numbers of `lower:upper`."""
     numbers = [_number(part) for part in text.split(":")]
     found = [number for number in numbers if number is not None]
     if len(numbers) != 2 or len(found) != 2:
-        raise typer.BadParameter(f"{text!r} is not lower:upper", param_hint=f"--{name}")
+        raise click.BadParameter(f"{text!r} is not lower:upper", param_hint=f"--{name}")
     return found
 
 

@@ -1,0 +1,84 @@
+"""What docs/command-line.md tells to type, in a folder without a service."""
+
+import os
+import re
+import shlex
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+TEXT = (ROOT / "docs" / "command-line.md").read_text(encoding="utf-8")
+FILES = re.findall(r"`(\w+\.json)`:\n\n```json\n(.*?)^```", TEXT, flags=re.DOTALL | re.MULTILINE)
+LONGEST = 60.0  # s, of a command
+PICTURE = 10_000  # bytes, of a picture with curves; an empty one has 5,000
+
+
+def commands(first: str) -> list[str]:
+    """Return the commands of the code block that begins with this one, a line each."""
+    blocks = re.findall(r"^```bash\n(.*?)^```", TEXT, flags=re.DOTALL | re.MULTILINE)
+    (block,) = [text for text in blocks if text.startswith(first)]
+    return str(block).replace("\\\n", " ").splitlines()
+
+
+def run(command: str, folder: Path) -> "subprocess.CompletedProcess[str]":
+    """Return what a command did; it runs with this environment's Python first in the path."""
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    environment = os.environ | {"PATH": path, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(
+        ["bash", "-euo", "pipefail", "-c", command],
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=2 * LONGEST,
+    )
+    assert done.returncode == 0, done.stderr
+    return done
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the files of the hammer test, the model and the log book."""
+    place = tmp_path_factory.mktemp("hammer")
+    (command,) = commands("python -m docs.own_data")
+    run(command, place)
+    for name, text in FILES:
+        (place / name).write_text(text, encoding="utf-8")
+    return place
+
+
+def test_five_commands_lead_from_the_files_of_a_hammer_test_to_a_report(folder: Path) -> None:
+    printed = {}
+    for command in commands("modallab convert"):
+        begin = time.monotonic()
+        name = shlex.split(command)[1]
+        printed[name] = run(command, folder).stdout
+        assert time.monotonic() - begin < LONGEST, name
+        (picture,) = re.findall(r"\w+\.png", command)
+        assert (folder / picture).stat().st_size > PICTURE, name
+    assert list(printed) == ["convert", "plot", "extract", "update", "diagnose"]
+    assert "1 responses x 11 forces, 1141 lines from 15 to 300 Hz" in printed["convert"]
+    assert "4 modes from 26.77 to 247.6 Hz by lscf" in printed["extract"]
+    factor = re.search(r"Corrected: stiffness of 6 (0\.\d+)\(", printed["update"])
+    assert factor is not None, printed["update"]
+    assert abs(float(factor[1]) - 0.7) < 0.005  # five standard errors
+    assert "Missing effect: stiffness error at member 6." in printed["diagnose"]
+    report = (folder / "report.html").read_text(encoding="utf-8")
+    assert "Boom, first test" in report
+    assert "Object: Boom of 1.5 m with clamp" in report
+
+
+def test_a_measurement_needs_no_laboratory(folder: Path) -> None:
+    (command,) = commands("modallab measure")
+    done = run(command, folder)
+    assert done.stdout.startswith("hidden.uff: inertance of 1 response and 11 forces")
+    assert "100%" in done.stderr
+    assert (folder / "hidden.png").stat().st_size > PICTURE
+
+
+def test_the_files_of_the_guide_are_named() -> None:
+    assert [name for name, _ in FILES] == ["boom.json", "hammer.json"]
