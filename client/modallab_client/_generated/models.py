@@ -1402,6 +1402,38 @@ class ExpandedModalModel:
     """version of the service that made it"""
 
 
+@dataclass(frozen=True, kw_only=True)
+class MemberNodes:
+    """Member with its nodes."""
+
+    nodes: tuple[int, ...]
+    """Numbers of its nodes: both ends of a bar, the perimeter of a plate element."""
+    number: int
+    """Number of the member."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StructureGeometry:
+    """Geometry of a structure, with its free degrees of freedom."""
+
+    created: str
+    """time of creation, ISO 8601, UTC"""
+    dofs: tuple[str, ...]
+    """Free degrees of freedom, node by node."""
+    id: str
+    """id of the stored object"""
+    made_from: Mapping[str, str] = field(hash=False)
+    """ids of the objects it was made from, by role"""
+    members: tuple[MemberNodes, ...]
+    """Members: bars, then others."""
+    nodes: Mapping[int, tuple[float, ...]] = field(hash=False)
+    """m, coordinates X, Y and, where the structure has it, Z, by the number of the node."""
+    seed: int | None
+    """seed of its random numbers; null where there are none"""
+    version: str
+    """version of the service that made it"""
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class StructureModes(StructureModesMethods):
     """Elastic modes of a structure, ascending in frequency."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from modallab.api.replies import stored_reply
+from modallab.core.dof import Dof
 from modallab.core.reply import Vector
 from modallab.fe.modes import ModalBasis
 from modallab.fe.structure import Structure
@@ -39,8 +40,31 @@ class ElasticModes:
     """Number of rigid-body modes, which are not listed."""
 
 
+@dataclass(frozen=True)
+class MemberNodes:
+    """Member with its nodes."""
+
+    number: int
+    """Number of the member."""
+    nodes: tuple[int, ...]
+    """Numbers of its nodes: both ends of a bar, the perimeter of a plate element."""
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """Geometry of a structure, with its free degrees of freedom."""
+
+    nodes: Mapping[int, tuple[float, ...]]
+    """m, coordinates X, Y and, where the structure has it, Z, by the number of the node."""
+    members: tuple[MemberNodes, ...]
+    """Members: bars, then others."""
+    dofs: tuple[Dof, ...]
+    """Free degrees of freedom, node by node."""
+
+
 StructureReply = stored_reply(StructureSummary, "Structure")
 ModesReply = stored_reply(ElasticModes, "StructureModes")
+GeometryReply = stored_reply(Geometry, "StructureGeometry")
 
 
 def structure_reply(structure: Structure, entry: Entry) -> Any:
@@ -58,3 +82,9 @@ def structure_reply(structure: Structure, entry: Entry) -> Any:
 def modes_reply(basis: ModalBasis, n_rigid_body: int, entry: Entry) -> Any:
     """Return the reply of the elastic modes of a stored structure."""
     return ModesReply.of(ElasticModes(basis.frequencies, basis.loss_factors, n_rigid_body), entry)
+
+
+def geometry_reply(structure: Structure, entry: Entry) -> Any:
+    """Return the reply of the geometry of a stored structure."""
+    members = tuple(MemberNodes(member.number, member.nodes) for member in structure.all_members)
+    return GeometryReply.of(Geometry(structure.nodes, members, structure.dofs), entry)
