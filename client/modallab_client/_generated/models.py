@@ -533,6 +533,8 @@ class Diagnosis(DiagnosisMethods):
     """Further tests that were explained together with the first."""
     gaps: Mapping[str, Mapping[str, float | None]]
     """Gap of each part (FRFs, force spectra, response spectra) under `before` and `after`."""
+    headline: str
+    """Verdict in one sentence, as the report has it."""
     id: str
     """id of the stored object"""
     located: Localisation

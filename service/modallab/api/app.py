@@ -16,6 +16,7 @@ from modallab.api.logs import RequestId
 from modallab.api.measurements import router as measurements
 from modallab.api.modal_models import router as modal_models
 from modallab.api.operations import Operations, check_request
+from modallab.api.page import router as page
 from modallab.api.rigs import router as rigs
 from modallab.api.settings import ServiceSettings
 from modallab.api.structures import router as structures
@@ -73,6 +74,8 @@ def create_app(settings: ServiceSettings, runner: JobRunner | None = None) -> Fa
         title="modallab",
         version=modallab.__version__,
         lifespan=lifespan,
+        docs_url=None,  # FastAPI's loads from another host
+        redoc_url=None,
         generate_unique_id_function=document.operation_id,
     )
     app.state.operations = Operations(app.openapi)
@@ -83,6 +86,7 @@ def create_app(settings: ServiceSettings, runner: JobRunner | None = None) -> Fa
     for router in (jobs.router, catalog.router, about.router):
         v1.include_router(router)
     app.include_router(v1)
+    app.include_router(page.router)
     problems.install(app)
     app.add_middleware(BodyLimit, json=settings.body_limit, upload=settings.upload_limit)
     app.add_middleware(RequestId)

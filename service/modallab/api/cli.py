@@ -75,6 +75,12 @@ def _prepare(settings: Any) -> None:
     settings.job_place.prepare()
 
 
+def _address(host: str, port: int) -> str:
+    """Return the address to open in a browser; a service for all of a network is on this machine, too."""
+    name = {"0.0.0.0": "localhost", "::": "localhost"}.get(host, f"[{host}]" if ":" in host else host)
+    return f"http://{name}:{port}/"
+
+
 @app.command()
 def serve(
     data: Data = None,
@@ -93,6 +99,7 @@ def serve(
     from modallab.api.app import create_app
 
     logs.configure()
+    typer.echo(f"The laboratory opens at {_address(settings.host, settings.port)}", err=True)
     lock = _lock(settings.data) if settings.embedded else None
     if settings.embedded:
         _prepare(settings)
