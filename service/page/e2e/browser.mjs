@@ -27,7 +27,7 @@ export async function withBrowser(address, options, use) {
   const faults = [];
   context.on("page", (page) => watch(page, address, faults));
   context.pages().forEach((page) => watch(page, address, faults));
-  context.setDefaultTimeout(15_000);
+  context.setDefaultTimeout(90_000); // of a busy machine; alone it needs a second
   try {
     return await use(context, faults);
   } finally {

@@ -88,7 +88,7 @@ async function measure(page) {
   await tabTo(page, "button.primary");
   const begin = Date.now();
   await page.keyboard.press("Enter");
-  await page.locator(".chart canvas").first().waitFor({ timeout: 30_000 });
+  await page.locator(".chart canvas").first().waitFor();
   const measured = Date.now() - begin;
   await tabTo(page, ".chart");
   await page.keyboard.press("ArrowRight");
@@ -125,7 +125,7 @@ async function extract(page) {
   await page.getByRole("radio", { name: "Found" }).check({ force: true });
   await tabTo(page, "button.primary");
   await page.keyboard.press("Enter");
-  await page.locator("tbody tr").first().waitFor({ timeout: 30_000 });
+  await page.locator("tbody tr").first().waitFor();
   const modes = await page.locator("tbody tr").count();
   assert(modes === 8, `${modes} modes are found, of 8 below 800 Hz`);
   await page.getByRole("button", { name: "Show mode 3" }).press("Enter");
@@ -141,7 +141,7 @@ async function correlate(page) {
   await page.locator(".mac svg").waitFor();
   await tabTo(page, "button.primary");
   await page.keyboard.press("Enter");
-  await page.locator(".bars").waitFor({ timeout: 60_000 });
+  await page.locator(".bars").waitFor();
   const python = await page.getByRole("button", { name: "Copy as Python" }).getAttribute("data-python");
   await examine(page, "correlate", folder);
   return { python };
@@ -151,7 +151,7 @@ async function diagnose(page) {
   await page.locator("a.next").first().press("Enter");
   await tabTo(page, "button.primary");
   await page.keyboard.press("Enter");
-  await page.locator(".verdict").waitFor({ timeout: 120_000 });
+  await page.locator(".verdict").waitFor();
   const verdict = await page.locator(".verdict").innerText();
   assert(verdict.includes("extra mass at 9:+Y"), verdict);
   await page.locator(".chart canvas").first().waitFor();

@@ -58,7 +58,7 @@ export function frfsOf(arrays: Arrays): Frfs {
 type Part = (re: number, im: number) => number;
 
 const PARTS: Record<Exclude<Representation, "nyquist">, Part> = {
-  magnitude: (re, im) => Math.hypot(re, im),
+  magnitude: (re, im) => Math.sqrt(re * re + im * im), // hypot takes ten times as long
   phase: (re, im) => (Math.atan2(im, re) * 180) / Math.PI,
   real: (re) => re,
   imaginary: (_, im) => im,

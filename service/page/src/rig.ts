@@ -80,11 +80,11 @@ export function unpacked(text: string | undefined, usual: RigDraft): RigDraft {
   }
 }
 
-/** Return a usual rig on a structure: driven at its first DoF, with up to eleven accelerometers along it. */
+/** Return a usual rig on a structure: driven at its first DoF, with accelerometers spread over it. */
 export function usualRig(dofs: string[], frequencies: number[]): RigDraft {
   const direction = mainDirection(dofs);
   const along = dofs.filter((dof) => dof.endsWith(`:+${direction}`));
-  const spacing = Math.max(1, Math.ceil(along.length / 11));
+  const spacing = Math.max(1, Math.ceil(along.length / (along.length > 60 ? 24 : 11)));
   const responses = along.filter((_, i) => i % spacing === 0);
   const tip = along[0].startsWith("1:") ? along[0] : along[along.length - 1];
   return { ...USUAL, drive: tip, responses, frequencyMax: niceAbove(frequencies.slice(0, 8).at(-1) ?? 800) };

@@ -52,6 +52,8 @@ export function mac(a: Shape, b: Shape): number {
   return aa && bb ? (re * re + im * im) / (aa * bb) : 0;
 }
 
+const LARGEST = 1.5; // of the largest measured entry, which is 1
+
 /** Return `b` scaled to `a` by least squares at the DoFs that they share. */
 export function scaledTo(a: Shape, b: Shape): Shape {
   const place = new Map(b.dofs.map((dof, i) => [dof, i]));
@@ -62,6 +64,9 @@ export function scaledTo(a: Shape, b: Shape): Shape {
     ab += a.real[i] * b.real[j];
     bb += b.real[j] ** 2;
   });
-  const factor = bb ? ab / bb : 1;
+  // A model may move far more where nothing is measured; then it shall not leave the drawing.
+  const translations = b.real.filter((_, i) => !/:[+-]R/.test(b.dofs[i]));
+  const largest = Math.max(...translations.map(Math.abs), 1e-300);
+  const factor = bb ? Math.sign(ab) * Math.min(Math.abs(ab / bb), LARGEST / largest) : 1;
   return { ...b, real: b.real.map((v) => v * factor), imaginary: b.imaginary.map((v) => v * factor) };
 }

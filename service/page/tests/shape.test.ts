@@ -21,8 +21,12 @@ test("a shape is turned to be real, its largest entry 1", () => {
 
 test("a model's shape is scaled to the measured one", () => {
   const measured = { dofs, real: [0.5, 1, -0.5], imaginary: [0, 0, 0] };
-  const model = { dofs: [...dofs, "4:+Y"], real: [-1, -2, 1, 4], imaginary: [0, 0, 0, 0] };
-  expect(scaledTo(measured, model).real).toEqual([0.5, 1, -0.5, -2]);
+  const model = { dofs: [...dofs, "4:+Y"], real: [-1, -2, 1, 2], imaginary: [0, 0, 0, 0] };
+  expect(scaledTo(measured, model).real).toEqual([0.5, 1, -0.5, -1]);
+  const turning = { dofs: [...dofs, "3:+RZ"], real: [-1, -2, 1, 40], imaginary: [0, 0, 0, 0] };
+  expect(scaledTo(measured, turning).real.slice(0, 3)).toEqual([0.5, 1, -0.5]); // rotations are not drawn
+  const wild = { ...model, real: [-1, -2, 1, 40] };
+  expect(Math.max(...scaledTo(measured, wild).real.map(Math.abs))).toBe(1.5); // it stays in the drawing
 });
 
 test("a phase has a gap where it wraps", () => {

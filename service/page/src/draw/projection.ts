@@ -15,6 +15,7 @@ export interface Projection {
 
 const WIDTH = 1000;
 const MARGIN = 70;
+const BELOW = 95; // room for a shaker, and for accelerometers above
 
 /** Return how a structure is seen: beams and frames from the front, plates and bodies in space from above. */
 export function projectionOf(geometry: Geometry): Projection {
@@ -26,7 +27,7 @@ export function projectionOf(geometry: Geometry): Projection {
   const [bottom, top] = extent(seen.map((p) => p[1]));
   const wide = Math.max(right - left, 1e-9);
   const scale = Math.min((WIDTH - 2 * MARGIN) / wide, 420 / Math.max(top - bottom, 1e-9));
-  const height = Math.max((top - bottom) * scale + 2 * MARGIN, 230);
+  const height = Math.max((top - bottom) * scale + 2 * BELOW, 230);
   const offset = (WIDTH - wide * scale) / 2;
   return {
     width: WIDTH,

@@ -39,7 +39,7 @@ export interface ChartProps {
   envelope?: { low: Float64Array; high: Float64Array };
 }
 
-const MANY = 24; // curves beyond which their density is drawn
+export const MANY = 24; // curves beyond which their density is drawn
 
 export function Chart(props: ChartProps) {
   const host = useRef<HTMLDivElement>(null);
@@ -102,7 +102,7 @@ function create(element: HTMLElement, latest: { current: ChartProps }): uPlot {
       { ...axis, size: 30, gap: 4, values: (_u, values) => values.map((value, i) => (i === values.length - 1 ? `${value} Hz` : String(value))) },
       { ...axis, size: 62, label: unit, labelSize: 18, labelFont: axis.font, labelGap: 0, grid: gridOf, ticks: { show: false }, values: (_u, values) => values.map((v) => tick(v, log)), ...(log && { filter: decades }) },
     ],
-    series: [{}, ...lines.map((line) => seriesOf(line, many))],
+    series: [{}, ...(many ? [HIDDEN, HIDDEN] : lines.map(seriesOf))],
     cursor: {
       drag: { x: true, y: false, setScale: false, dist: 6 },
       points: { show: !many, size: 7 },
@@ -117,15 +117,29 @@ function create(element: HTMLElement, latest: { current: ChartProps }): uPlot {
       setCursor: [(u) => latest.current.onCursor?.(u.cursor.idx ?? null)],
     },
   };
-  const made = new uPlot(options, [x, ...lines.map((line) => line.y)] as unknown as uPlot.AlignedData, element);
+  const data = [x, ...(many ? extremes(lines) : lines.map((line) => line.y))];
+  const made = new uPlot(options, data as unknown as uPlot.AlignedData, element);
   made.over.addEventListener("wheel", (event) => onWheel(event, made, latest.current), { passive: false });
   made.over.addEventListener("dblclick", () => latest.current.setRange(null));
   made.root.setAttribute("aria-hidden", "true");
   return made;
 }
 
-function seriesOf(line: Line, many: boolean): uPlot.Series {
-  if (many) return { paths: () => null, points: { show: false } };
+const HIDDEN: uPlot.Series = { paths: () => null, points: { show: false } };
+
+/** Return the highest and the lowest value of many curves line by line: all that the scales need of them. */
+function extremes(lines: Line[]): [Float64Array, Float64Array] {
+  const [high, low] = [lines[0].y.slice(), lines[0].y.slice()];
+  for (const { y } of lines) {
+    for (let i = 0; i < y.length; i++) {
+      if (y[i] > high[i]) high[i] = y[i];
+      if (y[i] < low[i]) low[i] = y[i];
+    }
+  }
+  return [high, low];
+}
+
+function seriesOf(line: Line): uPlot.Series {
   return {
     stroke: resolve(line.tone),
     width: line.width ?? 1.5,

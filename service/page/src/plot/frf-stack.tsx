@@ -5,7 +5,7 @@ import { short } from "../format";
 import { type Curve, type Frfs, type Representation, part, unitOf, withoutWraps } from "../frf";
 import { Actions, csv, svgFile } from "../parts/actions";
 import { Choice } from "../parts/fields";
-import { Chart, type ChartProps, type Line, type Range, floorOf } from "./chart";
+import { Chart, type ChartProps, type Line, MANY, type Range, floorOf } from "./chart";
 import { tone } from "./colour";
 import { Nyquist } from "./nyquist";
 import { Readout } from "./readout";
@@ -57,6 +57,8 @@ export function FrfStack({ tests, python, bands, onBand, first = "magnitude" }: 
     [shown],
   );
   const floor = useMemo(() => floorOf(main.freq, lines.map((line) => line.y)), [lines]);
+  // Kept, for a plot of 500 curves is drawn at every turn of the wheel.
+  const choice = useMemo(() => <ResponseChoice names={names} chosen={labels} set={setChosen} />, [names, labels]);
   const choose = (next: Representation) => {
     if (next === "nyquist" && !range) setRange(aroundHighest(main));
     setRepresentation(next);
@@ -78,9 +80,9 @@ export function FrfStack({ tests, python, bands, onBand, first = "magnitude" }: 
       {representation !== "nyquist" && coherences.length > 0 && (
         <Chart {...common} title="Coherence" lines={coherences} unit="coherence" limits={[0, 1.04]} height={130} />
       )}
-      {representation !== "nyquist" && <Readout freq={main.freq} index={cursor} values={lines.map((line) => ({ label: line.label, tone: line.tone, text: cursor === null ? "" : short(line.y[cursor], 4) }))} />}
-      {lines.length > 24 && <p class="hint">All {lines.length} curves are drawn; the darker, the more of them.</p>}
-      <ResponseChoice names={names} chosen={labels} set={setChosen} />
+      {representation !== "nyquist" && <Readout freq={main.freq} index={cursor} values={valuesAt(lines, cursor)} />}
+      {lines.length > MANY && <p class="hint">All {lines.length} curves are drawn; the darker, the more of them.</p>}
+      {choice}
       <Actions
         python={python}
         downloads={[
@@ -113,6 +115,15 @@ function shownCurves(tests: Test[], labels: string[]): Shown[] {
 function lineOf({ label, curve, tone: colour }: Shown, representation: Exclude<Representation, "nyquist">): Line {
   const y = part(curve, representation);
   return { label, tone: colour, y: representation === "phase" ? withoutWraps(y) : y };
+}
+
+/** Return the values at the cursor; of many curves the highest and the lowest. */
+function valuesAt(lines: Line[], cursor: number | null) {
+  const value = (line: Line, words = "") => ({ label: `${words}${line.label}`, tone: line.tone, text: cursor === null ? "" : short(line.y[cursor], 4) });
+  if (lines.length <= MANY) return lines.map((line) => value(line));
+  if (cursor === null) return [];
+  const most = (sign: number) => lines.reduce((best, line) => (sign * line.y[cursor] > sign * best.y[cursor] ? line : best));
+  return [value({ ...most(1), tone: "--ink" }, "highest "), value({ ...most(-1), tone: "--ink" }, "lowest ")];
 }
 
 function table(frfs: Frfs, shown: Shown[]): Record<string, ArrayLike<number>> {

@@ -11,6 +11,7 @@ import { Empty, Loading, ProblemNote, WorkNote, brief } from "../parts/notes";
 import { literal, program } from "../python";
 import { type State, go } from "../state";
 import { asProblem, useLoaded, useWork } from "../use";
+import type { Range } from "../plot/chart";
 import { Comparison } from "./comparison";
 import { CandidateTable, GapByStep, StepList } from "./findings";
 import { ImportZone } from "./import-zone";
@@ -112,7 +113,7 @@ function Finding({ result, curves, python, next, busy }: FindingProps) {
       <p class={`verdict ${result.verdict}`}>{result.headline}</p>
       {result.steps.length > 0 && <StepList steps={result.steps} />}
       <GapByStep result={result} />
-      <Comparison curves={curves} />
+      <Comparison curves={curves} located={result.located.bands as Range[]} />
       {result.candidates.length > 0 && <CandidateTable candidates={result.candidates} />}
       {result.next_test && (
         <div class="notice">

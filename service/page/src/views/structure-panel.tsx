@@ -1,7 +1,7 @@
 /** Choice of the structure: an example, a beam of one's own, or a file. */
 
 import { useState } from "preact/hooks";
-import { type Problem, post, upload } from "../api";
+import { type Problem, ProblemError, post, upload } from "../api";
 import type { CatalogueEntry, Structure } from "../model";
 import { DropZone } from "../parts/dropzone";
 import { Choice, Group, NumberField, SelectField } from "../parts/fields";
@@ -60,7 +60,16 @@ export async function fromFile(file: File): Promise<Structure> {
     form.append("name", file.name);
     return upload<Structure>("/structures/import", form);
   }
-  return post<Structure>("/structures", JSON.parse(await file.text()));
+  return post<Structure>("/structures", parsed(file.name, await file.text()));
+}
+
+function parsed(name: string, text: string): unknown {
+  try {
+    return JSON.parse(text);
+  } catch (error) {
+    const detail = `${name} is not JSON: ${(error as Error).message}`;
+    throw new ProblemError({ title: "The file cannot be read", status: 0, detail, code: "no_json", context: {} });
+  }
 }
 
 const SUPPORTS: Record<string, { node: "first" | "last"; directions: string[] }[]> = {

@@ -21,13 +21,13 @@ export interface Update {
   frequencies: Record<string, number[]>;
   converged: boolean;
   stopped_because: string;
-  identifiability: { notes?: string[]; words?: string[] } | null;
+  identifiability: { directions: { words: string }[] } | null;
   structure_id: string;
 }
 
 export function UpdateResult({ update, structureId, python }: { update: Update; structureId: string; python: () => string }) {
   const parts = Object.keys(update.coefficients ?? {}).filter((part) => Object.keys(update.coefficients[part]).length);
-  const [part, setPart] = useState(parts.includes("stiffness") ? "stiffness" : parts[0]);
+  const [part, setPart] = useState(parts.find((one) => update.suspected?.[one]?.length) ?? parts[0]);
   const drawn = useRef<SVGSVGElement>(null);
   const shape = useLoaded(`geometry/${structureId}`, () => geometry(structureId));
   if (!parts.length) return null;
@@ -35,8 +35,8 @@ export function UpdateResult({ update, structureId, python }: { update: Update; 
   const suspected = update.suspected?.[part] ?? [];
   return (
     <div class="update">
-      <p class="verdict">{sentence(update, parts)}</p>
-      <p class="hint">{update.converged ? "The iteration converged" : "The iteration did not converge"}: {update.stopped_because}. Largest frequency difference {worst(update, "before")} before, {worst(update, "after")} after.</p>
+      <p class={update.converged ? "verdict" : "verdict diverged"}>{sentence(update, parts)}</p>
+      <p class="hint">{update.converged && `The iteration converged: ${update.stopped_because}. `}Largest frequency difference {worst(update, "before")} before, {worst(update, "after")} after.</p>
       <div class="toolbar">
         <Choice label="Coefficients" value={part} set={setPart} options={parts.map((value) => ({ value, text: words(value) }))} />
         <Legend />
@@ -50,12 +50,26 @@ export function UpdateResult({ update, structureId, python }: { update: Update; 
           { text: "CSV", name: "coefficients.csv", from: () => csv({ member: Object.keys(coefficients).map(Number), [`${part} coefficient`]: Object.values(coefficients) }) },
         ]}
       />
+      <NotDetermined words={(update.identifiability?.directions ?? []).map((direction) => direction.words)} />
       <p class="hint"><button type="button" class="action" onClick={() => go({ s: update.structure_id, u: undefined })}>Go on with the updated model</button></p>
     </div>
   );
 }
 
+const MOST_WORDS = 6;
+
+function NotDetermined({ words: sentences }: { words: string[] }) {
+  if (!sentences.length) return null;
+  return (
+    <details>
+      <summary>What these modes do not determine <span class="count">{sentences.length}</span></summary>
+      <ul class="located">{sentences.slice(0, MOST_WORDS).map((text) => <li>{text}</li>)}</ul>
+    </details>
+  );
+}
+
 function sentence(update: Update, parts: string[]): string {
+  if (!update.converged) return `The update did not converge: ${update.stopped_because}.`;
   const named = parts.flatMap((part) => {
     const members = update.suspected?.[part] ?? [];
     const ranked = Object.entries(update.coefficients[part]).filter(([member]) => members.includes(Number(member)));
@@ -109,27 +123,29 @@ function Bars({ coefficients, errors, suspected, part }: { coefficients: ByMembe
   const y = (value: number) => height / 2 - ((value - 1) / largest) * (height / 2 - 14);
   const every = Math.ceil(members.length / 24);
   return (
-    <svg class="bars" viewBox={`0 0 1000 ${height + 30}`} role="img" aria-label={`${part} coefficients: ${members.map((member) => `member ${member} ${short(coefficients[member], 3)}`).join(", ")}`}>
-      {[1 - largest, 1, 1 + largest].map((value) => (
-        <g class="tick">
-          <path d={`M${left} ${y(value)}H${left + width}`} />
-          <text class="gap-label" x={left - 8} y={y(value) + 5}>{value.toFixed(2)}</text>
-        </g>
-      ))}
-      {members.map((member, i) => {
-        const x = left + (i + 0.5) * step;
-        const value = coefficients[member];
-        const error = errors[member] ?? 0;
-        const wide = Math.min(26, step * 0.7);
-        return (
-          <g>
-            <title>{`member ${member}: ${withError(value, errors[member])}`}</title>
-            <rect class={level(value)} x={x - wide / 2} width={wide} y={Math.min(y(1), y(value))} height={Math.max(1.5, Math.abs(y(value) - y(1)))} />
-            {error > 0 && <path class="error-bar" d={`M${x} ${y(value + error)}V${y(value - error)}`} />}
-            {i % every === 0 && <text class={suspected.includes(member) ? "suspected" : ""} x={x} y={height + 20}>{member}</text>}
+    <div class="drawing" tabIndex={0} role="region" aria-label={`Bars of the ${part} coefficients`}>
+      <svg class="bars" viewBox={`0 0 1000 ${height + 30}`} role="img" aria-label={`${part} coefficients: ${members.map((member) => `member ${member} ${short(coefficients[member], 3)}`).join(", ")}`}>
+        {[1 - largest, 1, 1 + largest].filter((value) => value >= 0).map((value) => (
+          <g class="tick">
+            <path d={`M${left} ${y(value)}H${left + width}`} />
+            <text class="gap-label" x={left - 8} y={y(value) + 5}>{value.toFixed(2)}</text>
           </g>
-        );
-      })}
-    </svg>
+        ))}
+        {members.map((member, i) => {
+          const x = left + (i + 0.5) * step;
+          const value = coefficients[member];
+          const error = errors[member] ?? 0;
+          const wide = Math.min(26, step * 0.7);
+          return (
+            <g>
+              <title>{`member ${member}: ${withError(value, errors[member])}`}</title>
+              <rect class={level(value)} x={x - wide / 2} width={wide} y={Math.min(y(1), y(value))} height={Math.max(1.5, Math.abs(y(value) - y(1)))} />
+              {error > 0 && <path class="error-bar" d={`M${x} ${y(value + error)}V${y(value - error)}`} />}
+              {i % every === 0 && <text class={suspected.includes(member) ? "suspected" : ""} x={x} y={height + 20}>{member}</text>}
+            </g>
+          );
+        })}
+      </svg>
+    </div>
   );
 }
