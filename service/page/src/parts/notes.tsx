@@ -70,7 +70,7 @@ export function WorkNote({ work, what }: { work: Work; what: string }) {
   if (job?.state === "cancelled") return <p class="loading" role="status">The {what} was stopped.</p>;
   if (!busy) return null;
   const fraction = job?.fraction ?? 0;
-  const state = job?.state === "queued" ? (job.place ? `waiting, place ${job.place}` : "waiting") : job?.message || "starting";
+  const state = job?.state === "queued" ? (job.place ? `waiting, place ${job.place}` : "waiting") : (job?.message || "starting").replaceAll("_", " ");
   return (
     <div class="work" role="status">
       <progress max={1} value={fraction} aria-label={`Progress of the ${what}`} />
