@@ -5,7 +5,7 @@ STAMP := .venv/.installed
 TRIAL := benchmarks/trial/results
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: setup check test demo serve bench trial docs openapi sync-client lock
+.PHONY: setup check test demo serve bench trial docs openapi sync-client page lock
 
 $(STAMP): pyproject.toml requirements.lock
 	$(PYTHON) -m venv .venv
@@ -53,6 +53,9 @@ sync-client: setup ## write result types from docs/openapi.json, and the synchro
 	$(BIN)/python client/generate_models.py
 	$(BIN)/python client/generate_options.py
 	$(BIN)/python client/unasync.py
+
+page: ## build the page of the service, with node; its sources are in service/page
+	cd service/page && npm ci --no-audit --no-fund && npm run build
 
 lock: setup ## renew requirements.lock
 	$(BIN)/python -m pip install --quiet uv

@@ -42,6 +42,12 @@ def _need_keys(settings: Any) -> None:
     )
 
 
+def _address(host: str, port: int) -> str:
+    """Return the address to open in a browser; a service for all of a network is on this machine, too."""
+    name = {"0.0.0.0": "localhost", "::": "localhost"}.get(host, f"[{host}]" if ":" in host else host)
+    return f"http://{name}:{port}/"
+
+
 @click.command()
 @data
 @click.option("--host", help="Address to listen on.")
@@ -71,6 +77,7 @@ def serve(**options: Any) -> None:
     if settings.embedded:
         _prepare(settings)
     _need_keys(settings)
+    click.echo(f"The laboratory opens at {_address(settings.host, settings.port)}", err=True)
     uvicorn.run(
         create_app(settings, processes=RequestProcesses(settings)),
         host=settings.host,

@@ -91,15 +91,120 @@ class CatalogueEntry:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Class:
+    """A class of students."""
+
+    created: str
+    """ISO 8601, UTC."""
+    expires: str | None
+    """ISO 8601, UTC, when the keys of its members expire; null: never."""
+    id: str
+    """Id of the class."""
+    name: str
+    """Name of the class."""
+    owner: str
+    """Id of the key of its instructor."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Classes:
+    """All classes."""
+
+    items: tuple[Class, ...]
+    """Classes, newest first."""
+
+
+Role = Literal["admin", "instructor", "student", "service"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Key:
+    """An API key, without its secret."""
+
+    class_id: str | None
+    """Class that the holder is a member of; null: of no class."""
+    created: str
+    """ISO 8601, UTC."""
+    expires: str | None
+    """ISO 8601, UTC, first moment at which it does not count; null: it never expires."""
+    id: str
+    """Id of the key, and owner of what is made with it."""
+    name: str
+    """Name of the person or program that holds it."""
+    revoked: str | None
+    """ISO 8601, UTC; null: it has not been revoked."""
+    role: Role
+    """What the holder may do."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Roll:
+    """A class of students."""
+
+    created: str
+    """ISO 8601, UTC."""
+    expires: str | None
+    """ISO 8601, UTC, when the keys of its members expire; null: never."""
+    id: str
+    """Id of the class."""
+    members: tuple[Key, ...]
+    """Keys of the members, newest first."""
+    name: str
+    """Name of the class."""
+    owner: str
+    """Id of the key of its instructor."""
+    shares: tuple[str, ...]
+    """Ids of what is shared with the class."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class NewKey:
+    """An API key, without its secret."""
+
+    class_id: str | None
+    """Class that the holder is a member of; null: of no class."""
+    created: str
+    """ISO 8601, UTC."""
+    expires: str | None
+    """ISO 8601, UTC, first moment at which it does not count; null: it never expires."""
+    id: str
+    """Id of the key, and owner of what is made with it."""
+    key: str
+    """The key itself, told this once."""
+    name: str
+    """Name of the person or program that holds it."""
+    revoked: str | None
+    """ISO 8601, UTC; null: it has not been revoked."""
+    role: Role
+    """What the holder may do."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class NewMembers:
+    """Keys of new members."""
+
+    members: tuple[NewKey, ...]
+    """Keys in the order of the names."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class StoredEntry:
     """Identity and origin of a stored object."""
 
+    comment: str
+    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     id: str
     """id of the stored object"""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     made_from: Mapping[str, str] = field(hash=False)
     """ids of the objects it was made from, by role"""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     seed: int | None
     """seed of its random numbers; null where there are none"""
     version: str
@@ -160,6 +265,8 @@ class Correlation(CorrelationMethods):
 
     comac: FloatArray
     """(n_common,) coordinate modal assurance criterion (CoMAC) over the pairs, 0 to 1."""
+    comment: str
+    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     dofs: tuple[str, ...]
@@ -170,12 +277,18 @@ class Correlation(CorrelationMethods):
     """Hz, (n_pairs,) measured minus model frequency."""
     id: str
     """id of the stored object"""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     mac: FloatArray
     """(n_measured, n_model) modal assurance criterion (MAC), 0 to 1."""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
     orthogonality: Orthogonality | None
     """Orthogonality in the reduced mass matrix, where a reduction was requested."""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     pairs: tuple[tuple[int, int], ...]
     """Paired modes (measured, model), counted from 1."""
     pole_weighted_mac: FloatArray | None
@@ -207,6 +320,8 @@ class JobStatus(JobStatusMethods):
     """Id of the job."""
     message: str
     """Step under way."""
+    owner: str
+    """Owner of the job and of its result."""
     place: int | None
     """1, place in the queue, 1 for the next; null: the job does not wait."""
     result_id: str | None
@@ -526,6 +641,8 @@ class Diagnosis(DiagnosisMethods):
 
     candidates: tuple[Rival, ...]
     """All effects fitted in the first round, best first."""
+    comment: str
+    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     detection_limits: tuple[DetectionLimit, ...]
@@ -534,16 +651,24 @@ class Diagnosis(DiagnosisMethods):
     """Further tests that were explained together with the first."""
     gaps: Mapping[str, Mapping[str, float | None]]
     """Gap of each part (FRFs, force spectra, response spectra) under `before` and `after`."""
+    headline: str
+    """Verdict in one sentence, as the report has it."""
     id: str
     """id of the stored object"""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     located: Localisation
     """Location of the disagreement without added effects."""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
     next_test: NextTest | None
     """Proposed further test; null: no rival is left."""
     notes: tuple[str, ...]
     """Limitations of this diagnosis, in plain English."""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     remaining_gap: float | None
     """Gap (mean squared residual) over all usable FRFs with all added effects; 1: random error alone."""
     remaining_scatter: float | None
@@ -602,6 +727,16 @@ class JobPage:
 
     items: tuple[JobStatus, ...]
     """Jobs, newest first."""
+    next: str | None
+    """Value of `after` for the next page; null at the end."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class KeyPage:
+    """Page of a list of keys."""
+
+    items: tuple[Key, ...]
+    """Keys, newest first."""
     next: str | None
     """Value of `after` for the next page; null at the end."""
 
@@ -889,6 +1024,8 @@ class Measurement(MeasurementMethods):
     """1, effective number of independent averages."""
     averages_error: float | None
     """1, standard error of averages that are estimated; null: they are declared."""
+    comment: str
+    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     frequency_max: float
@@ -901,18 +1038,24 @@ class Measurement(MeasurementMethods):
     """Force DoFs."""
     kind: FrfKind
     """Kind of the FRFs: receptance, mobility or inertance."""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     libraries: Mapping[str, str]
     """Versions of the numerical libraries, by name."""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
     n_lines: int
     """Number of frequency lines."""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
     noise_floor: float | None
     """1, relative error of the FRFs as their owner states it, at or above the median."""
     notes: tuple[str, ...]
     """Remarks on systematic changes of the FRFs."""
     outputs: tuple[str, ...]
     """Response DoFs."""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     rig: RigSetup
     """Rig as declared."""
     rig_id: str
@@ -979,18 +1122,26 @@ class MeasurementLog:
     """1, effective number of independent averages."""
     averages_error: float | None
     """1, standard error of averages that are estimated; null: they are declared."""
+    comment: str
+    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     id: str
     """id of the stored object"""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     libraries: Mapping[str, str] = field(hash=False)
     """Versions of the numerical libraries, by name."""
     made_from: Mapping[str, str] = field(hash=False)
     """ids of the objects it was made from, by role"""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
     noise_floor: float | None
     """1, relative error of the FRFs as their owner states it, at or above the median."""
     notes: tuple[str, ...]
     """Remarks on systematic changes of the FRFs."""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     rig: Mapping[str, Any] = field(hash=False)
     """Body of `POST /v1/rigs` that declares the same rig."""
     rig_id: str
@@ -1140,6 +1291,8 @@ class ModalModel(ModalModelMethods):
 
     choices: Mapping[str, str]
     """Value of each option in words, and the reason for it."""
+    comment: str
+    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     dofs: tuple[str, ...]
@@ -1158,6 +1311,8 @@ class ModalModel(ModalModelMethods):
     """Names of the FRFs in the order of the arrays: a DoF, of several references `5:+Y / 1:+Y`."""
     id: str
     """id of the stored object"""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
     main_flags: tuple[str, ...]
@@ -1168,12 +1323,16 @@ class ModalModel(ModalModelMethods):
     """Extraction method, or `synthetic`."""
     modes: tuple[Mode, ...]
     """Modes in rising natural frequency; `/arrays` has their shapes."""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
     normalisation: Literal["mass", "none"]
     """`mass`: shapes are mass-normalised; `none`: their scale is arbitrary."""
     notes: tuple[str, ...]
     """Remarks on the extraction, in sentences; of more than three that differ in numbers only the first, and with `?details=notes` all."""
     options: Mapping[str, int | float | str | None]
     """Options of the extraction method as asked for; null was left to the method."""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     ranges: tuple[tuple[float, float], ...]
     """Hz, first and last line of each range that the modes were extracted from."""
     references: tuple[str, ...]
@@ -1301,6 +1460,8 @@ class Rig(RigMethods):
     """Response transducers."""
     analyser: Analyser
     """Analyser settings."""
+    comment: str
+    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     drive: str
@@ -1315,10 +1476,16 @@ class Rig(RigMethods):
     """Force transducer at the drive point."""
     id: str
     """id of the stored object"""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     made_from: Mapping[str, str] = field(hash=False)
     """ids of the objects it was made from, by role"""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
     noise: Noise
     """White noise of the channels."""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     responses: tuple[str, ...]
     """Response DoFs."""
     seed: int | None
@@ -1363,12 +1530,16 @@ class RigChecks:
 class Structure(StructureMethods):
     """Size of a stored structure, and its groups of members."""
 
+    comment: str
+    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     groups: Mapping[str, tuple[int, ...]] = field(hash=False)
     """Numbers of members, by the name under which they may be updated."""
     id: str
     """id of the stored object"""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     made_from: Mapping[str, str] = field(hash=False)
     """ids of the objects it was made from, by role"""
     members: int
@@ -1378,7 +1549,9 @@ class Structure(StructureMethods):
     n_nodes: int
     """Number of nodes."""
     name: str
-    """Name of the structure."""
+    """name, as its owner wrote it; a structure's own until then"""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     seed: int | None
     """seed of its random numbers; null where there are none"""
     version: str
@@ -1393,6 +1566,8 @@ class ExpandedModalModel:
 
     choices: Mapping[str, str] = field(hash=False)
     """Value of each option in words, and the reason for it."""
+    comment: str
+    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     dofs: tuple[str, ...]
@@ -1413,6 +1588,8 @@ class ExpandedModalModel:
     """Names of the FRFs in the order of the arrays: a DoF, of several references `5:+Y / 1:+Y`."""
     id: str
     """id of the stored object"""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     made_from: Mapping[str, str] = field(hash=False)
     """ids of the objects it was made from, by role"""
     main_flags: tuple[str, ...]
@@ -1423,12 +1600,16 @@ class ExpandedModalModel:
     """Extraction method, or `synthetic`."""
     modes: tuple[Mode, ...]
     """Modes in rising natural frequency; `/arrays` has their shapes."""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
     normalisation: Literal["mass", "none"]
     """`mass`: shapes are mass-normalised; `none`: their scale is arbitrary."""
     notes: tuple[str, ...]
     """Remarks on the extraction, in sentences; of more than three that differ in numbers only the first, and with `?details=notes` all."""
     options: Mapping[str, int | float | str | None] = field(hash=False)
     """Options of the extraction method as asked for; null was left to the method."""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     ranges: tuple[tuple[float, float], ...]
     """Hz, first and last line of each range that the modes were extracted from."""
     rayleigh_frequencies: tuple[float, ...]
@@ -1443,22 +1624,70 @@ class ExpandedModalModel:
     """version of the service that made it"""
 
 
+@dataclass(frozen=True, kw_only=True)
+class MemberNodes:
+    """Member with its nodes."""
+
+    nodes: tuple[int, ...]
+    """Numbers of its nodes: both ends of a bar, the perimeter of a plate element."""
+    number: int
+    """Number of the member."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StructureGeometry:
+    """Geometry of a structure, with its free degrees of freedom."""
+
+    comment: str
+    """what its owner remarks on it"""
+    created: str
+    """time of creation, ISO 8601, UTC"""
+    dofs: tuple[str, ...]
+    """Free degrees of freedom, node by node."""
+    id: str
+    """id of the stored object"""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
+    made_from: Mapping[str, str] = field(hash=False)
+    """ids of the objects it was made from, by role"""
+    members: tuple[MemberNodes, ...]
+    """Members: bars, then others."""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
+    nodes: Mapping[int, tuple[float, ...]] = field(hash=False)
+    """m, coordinates X, Y and, where the structure has it, Z, by the number of the node."""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
+    seed: int | None
+    """seed of its random numbers; null where there are none"""
+    version: str
+    """version of the service that made it"""
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class StructureModes(StructureModesMethods):
     """Elastic modes of a structure, ascending in frequency."""
 
+    comment: str
+    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     frequencies: FloatArray
     """Hz, (n_modes,) natural frequencies."""
     id: str
     """id of the stored object"""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     loss_factors: FloatArray
     """(n_modes,) loss factors."""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
     n_rigid_body: int
     """Number of rigid-body modes, which are not listed."""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     seed: int | None
     """seed of its random numbers; null where there are none"""
     version: str
@@ -1624,12 +1853,20 @@ class Study(StudyMethods):
 
     cells: tuple[StudyCell, ...]
     """Statistics by level, then division."""
+    comment: str
+    """what its owner remarks on it"""
     created: str
     """time of creation, ISO 8601, UTC"""
     id: str
     """id of the stored object"""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     plan: StudyPlan
     """Plan of the study."""
     runs: tuple[StudyUpdate, ...]
@@ -1762,6 +1999,8 @@ class IterativeUpdate(IterativeUpdateMethods):
 
     coefficients: Mapping[str, Mapping[int, float]]
     """Coefficients by part and member."""
+    comment: str
+    """what its owner remarks on it"""
     condition_number: float | None
     """Largest over smallest singular value within the rank."""
     converged: bool
@@ -1782,10 +2021,16 @@ class IterativeUpdate(IterativeUpdateMethods):
     """Number of steps by stage, `location` and `updating`."""
     kind: Literal["iterative"]
     """Update on modes: coefficients are corrected by iteration."""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     mac: Mapping[str, FloatArray]
     """MAC of paired modes (n_modes,): `before`, `location`, `after`."""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     posterior: PosteriorSample | None
     """Draws from the posterior; null where none were asked for."""
     quantities: tuple[Quantity, ...]
@@ -1842,6 +2087,8 @@ class ResponseBasedUpdate(ResponseBasedUpdateMethods):
 
     coefficients: Mapping[str, Mapping[int, float]]
     """Coefficients by part and member."""
+    comment: str
+    """what its owner remarks on it"""
     condition_number: float | None
     """Largest over smallest singular value within the rank."""
     converged: bool
@@ -1862,8 +2109,14 @@ class ResponseBasedUpdate(ResponseBasedUpdateMethods):
     """Number of steps by stage, `location` and `updating`."""
     kind: Literal["response_based"]
     """Update on FRFs: coefficients are corrected by iteration."""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     posterior: PosteriorSample | None
     """Draws from the posterior; null where none were asked for."""
     quantities: tuple[Quantity, ...]
@@ -1916,6 +2169,8 @@ class DirectUpdate(DirectUpdateMethods):
 
     coefficients: Mapping[str, Mapping[int, float]]
     """By part and member, 1 = no change; of methods that keep the members."""
+    comment: str
+    """what its owner remarks on it"""
     completion: str
     """How model and shapes came to the same degrees of freedom, for readers."""
     connectivity_loss: Mapping[str, float]
@@ -1934,6 +2189,8 @@ class DirectUpdate(DirectUpdateMethods):
     """id of the stored object"""
     kind: Literal["direct"]
     """Direct method: matrices are corrected, or their errors located, in one step."""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     mac: Mapping[str, FloatArray]
     """MAC with the nearest modes: `before` and, of a correction, `after`."""
     made_from: Mapping[str, str]
@@ -1942,10 +2199,14 @@ class DirectUpdate(DirectUpdateMethods):
     """Name of the method."""
     n_modes: int
     """Number of measured modes that the method used, the first of `frequencies`."""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
     notes: tuple[str, ...]
     """Remarks for readers."""
     other_modes: OtherModes | None
     """Modes of the model without a used measured mode; null without a correction."""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     reproduced: float | None
     """Largest relative error of a used frequency, or of 1 - MAC; null without a correction."""
     seed: int | None
@@ -1962,6 +2223,8 @@ class ErrorLocation(ErrorLocationMethods):
 
     changes: Mapping[str, Mapping[int, float]]
     """First-order change of each coefficient, by part and member."""
+    comment: str
+    """what its owner remarks on it"""
     condition_number: float | None
     """Largest over smallest singular value within the rank."""
     created: str
@@ -1972,12 +2235,18 @@ class ErrorLocation(ErrorLocationMethods):
     """id of the stored object"""
     kind: Literal["error_location"]
     """Error location in one linear step: the model stays as it is."""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
     mac: Mapping[str, FloatArray]
     """MAC of the paired modes (n_modes,): `before`."""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
     method: str
     """Name of the method."""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
     rank: int
     """Rank of the balanced sensitivity matrix."""
     remaining: FloatArray

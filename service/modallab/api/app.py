@@ -20,6 +20,7 @@ from modallab.api.metrics import Measured, Metrics
 from modallab.api.modal_models import router as modal_models
 from modallab.api.offloading.processes import RequestProcesses
 from modallab.api.operations import Operations, check_request
+from modallab.api.page import router as page
 from modallab.api.rigs import router as rigs
 from modallab.api.settings import ServiceSettings
 from modallab.api.structures import router as structures
@@ -86,6 +87,8 @@ def create_app(
         title="modallab",
         version=modallab.__version__,
         lifespan=lifespan,
+        docs_url=None,  # FastAPI's loads from another host
+        redoc_url=None,
         generate_unique_id_function=document.operation_id,
     )
     app.state.processes = processes
@@ -95,6 +98,7 @@ def create_app(
     app.state.classes = ClassBook(engine_of(settings.store_place), app.state.keys)
     app.state.sessions = SessionBook(engine_of(settings.store_place))
     app.include_router(_routes())
+    app.include_router(page.router)
     problems.install(app)
     app.add_middleware(Gate, engine=engine_of(settings.store_place), allowed_hosts=settings.host_names)
     app.add_middleware(BodyLimit, json=settings.body_limit, upload=settings.upload_limit)

@@ -188,3 +188,11 @@ def test_synthetic_modes_scatter_as_told_and_come_again_from_their_seed(service:
     # uniform noise of 1 % on the eigenvalue is at most half of that on the frequency
     assert (np.abs(frequencies[0] / exact - 1) < 0.0051).all()
     assert (first["seed"], first["made_from"]) == (3, {"structure_id": beam})
+
+
+def test_the_geometry_names_nodes_members_and_free_dofs(service: Any) -> None:
+    cantilever = service.post("/v1/structures", {"kind": "catalogue", "name": "cantilever"})["id"]
+    geometry = service.get(f"/v1/structures/{cantilever}/geometry")
+    assert geometry["nodes"]["21"] == [1.5, 0.0]
+    assert geometry["members"][6] == {"number": 7, "nodes": [7, 8]}
+    assert geometry["dofs"][:2] == ["2:+Y", "2:+RZ"]  # node 1 is clamped

@@ -6,6 +6,7 @@ from typing import Any
 
 from modallab.api.replies import replies_of, stored_reply
 from modallab.api.wire import Reply
+from modallab.diagnosis.reporting.verdict_text import headline
 from modallab.diagnosis.result import Diagnosis
 from modallab.store.base import Entry
 
@@ -36,6 +37,7 @@ DiagnosisReply = stored_reply(
     "Diagnosis",
     leave_out=("structure", "setup", "curves", "seed"),
     follow_ups=(replies_of(FollowUpTest), "Further tests that were explained together with the first."),
+    headline=(str, "Verdict in one sentence, as the report has it."),
     structure_id=(str, "Model with the added effects."),
     rig_id=(str, "Log book with the added effects."),
 )
@@ -50,6 +52,7 @@ def diagnosis_reply(diagnosis: Diagnosis, entry: Entry) -> Any:
             FollowUpTest(entry.inputs[f"follow_up_{i}"], changes)
             for i, changes in enumerate(diagnosis.follow_ups, 1)
         ],
+        headline=headline(diagnosis),
         structure_id=entry.inputs["extended_structure_id"],
         rig_id=entry.inputs["extended_rig_id"],
     )

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from modallab.api.replies import replies_of, stored_reply
+from modallab.core.dof import Dof
 from modallab.core.physics_warning import PhysicsWarning
 from modallab.core.reply import Vector
 from modallab.fe.modes import ModalBasis
@@ -39,12 +40,35 @@ class ElasticModes:
     """Number of rigid-body modes, which are not listed."""
 
 
+@dataclass(frozen=True)
+class MemberNodes:
+    """Member with its nodes."""
+
+    number: int
+    """Number of the member."""
+    nodes: tuple[int, ...]
+    """Numbers of its nodes: both ends of a bar, the perimeter of a plate element."""
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """Geometry of a structure, with its free degrees of freedom."""
+
+    nodes: Mapping[int, tuple[float, ...]]
+    """m, coordinates X, Y and, where the structure has it, Z, by the number of the node."""
+    members: tuple[MemberNodes, ...]
+    """Members: bars, then others."""
+    dofs: tuple[Dof, ...]
+    """Free degrees of freedom, node by node."""
+
+
 StructureReply = stored_reply(
     StructureSummary,
     "Structure",
     warnings=(replies_of(PhysicsWarning), "What is surely a slip of a unit or a setting."),
 )
 ModesReply = stored_reply(ElasticModes, "StructureModes")
+GeometryReply = stored_reply(Geometry, "StructureGeometry")
 
 
 def structure_reply(structure: Structure, entry: Entry) -> Any:
@@ -61,3 +85,9 @@ def structure_reply(structure: Structure, entry: Entry) -> Any:
 def modes_reply(basis: ModalBasis, n_rigid_body: int, entry: Entry) -> Any:
     """Return the reply of the elastic modes of a stored structure."""
     return ModesReply.of(ElasticModes(basis.frequencies, basis.loss_factors, n_rigid_body), entry)
+
+
+def geometry_reply(structure: Structure, entry: Entry) -> Any:
+    """Return the reply of the geometry of a stored structure."""
+    members = tuple(MemberNodes(member.number, member.nodes) for member in structure.all_members)
+    return GeometryReply.of(Geometry(structure.nodes, members, structure.dofs), entry)

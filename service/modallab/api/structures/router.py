@@ -22,7 +22,14 @@ from modallab.api.structures.damping import damping_of
 from modallab.api.structures.expansions import ExpansionIn
 from modallab.api.structures.frf import FrfQuery
 from modallab.api.structures.mesh import mesh_of
-from modallab.api.structures.replies import ModesReply, StructureReply, modes_reply, structure_reply
+from modallab.api.structures.replies import (
+    GeometryReply,
+    ModesReply,
+    StructureReply,
+    geometry_reply,
+    modes_reply,
+    structure_reply,
+)
 from modallab.api.structures.schemas import StructureIn
 from modallab.api.wire import Text
 from modallab.fe.changes import change
@@ -174,13 +181,19 @@ def get_frf(id: IdPath, store: StoreDep, frf_query: FrfQuery, form: ArraysFormat
     return form.reply(frf_query.arrays(store.structures.get(id)))
 
 
+@router.get("/{id}/geometry", response_model=GeometryReply, summary="Get the geometry")
+def get_geometry(id: IdPath, store: StoreDep) -> Any:
+    """Return nodes, members and free degrees of freedom of a structure."""
+    return geometry_reply(store.structures.get(id), store.structures.entry(id))
+
+
 @router.get(
     "/{id}/geometry.uff",
     response_class=Response,
     responses=UFF,
     summary="Get the geometry as a universal file",
 )
-def get_geometry(id: IdPath, store: StoreDep) -> Response:
+def get_geometry_uff(id: IdPath, store: StoreDep) -> Response:
     """Return nodes (dataset 15 or 2411) and lines (dataset 82) of a structure as a universal file."""
     structure, entry = store.structures.get(id), store.structures.entry(id)
     return uff_reply(uff_geometry.write(structure, origin(entry, f"structure {structure.name}")), id)

@@ -1,0 +1,198 @@
+/**
+ * A student's way through the page, by the keyboard: rig, measure, extract, correlate, diagnose.
+ *
+ * Usage: node e2e/path.mjs ADDRESS FOLDER. Prints what was checked as JSON, a line each.
+ */
+
+import { readFileSync } from "node:fs";
+import { withBrowser } from "./browser.mjs";
+import { DESK, assert, examine, fill, tabTo } from "./checks.mjs";
+
+const [address, folder] = process.argv.slice(2);
+let shared = ""; // the address of the diagnosis
+
+const failed = await withBrowser(address, { viewport: DESK, acceptDownloads: true }, async (context, faults) => {
+  const page = await context.newPage();
+  for (const [name, step] of STEPS()) {
+    try {
+      const figures = await step(page, faults);
+      assert(faults.length === 0, faults.join("; "));
+      console.log(JSON.stringify({ name, ...figures }));
+    } catch (error) {
+      await page.screenshot({ path: `${folder}/failed.png`, fullPage: true });
+      console.log(JSON.stringify({ name, fault: error.message }));
+      return true; // what follows builds on it
+    }
+  }
+  return false;
+});
+process.exitCode = failed ? 1 : 0;
+
+function STEPS() {
+  return [
+    ["first load", firstLoad],
+    ["rig", rig],
+    ["measure", measure],
+    ["extract", extract],
+    ["correlate", correlate],
+    ["diagnose", diagnose],
+    ["own files", ownFiles],
+    ["shared address", sharedAddress],
+    ["errors", errors],
+    ["reference", reference],
+  ];
+}
+
+async function firstLoad(page) {
+  const session = await page.context().newCDPSession(page);
+  await session.send("Network.enable");
+  let bytes = 0;
+  session.on("Network.loadingFinished", (event) => (bytes += event.encodedDataLength));
+  await page.goto(`${address}/`);
+  await page.getByRole("heading", { name: "chapter-5-beam" }).waitFor();
+  await page.evaluate(() => document.fonts.ready);
+  await page.waitForTimeout(200);
+  assert(bytes < 150_000, `${bytes} bytes are transferred`);
+  return { bytes };
+}
+
+async function rig(page) {
+  await tabTo(page, "[data-node]");
+  await page.keyboard.press("ArrowRight");
+  assert((await page.evaluate(() => document.activeElement.dataset.node)) === "2", "an arrow key goes to the next node");
+  const accelerometers = () => page.locator('[data-node][aria-pressed="true"]').count();
+  const before = await accelerometers();
+  await page.keyboard.press("Enter");
+  assert((await accelerometers()) === before + 1, "Enter sets an accelerometer");
+  await page.keyboard.press("Enter");
+  assert((await accelerometers()) === before, "Enter removes it");
+  await page.keyboard.press("d");
+  assert((await page.locator(".legend-row select").inputValue()) === "2:+Y", "D moves the drive");
+  await page.locator('[data-node="1"]').click(); // and the mouse: node 1 loses its accelerometer
+  assert((await accelerometers()) === before - 1, "a click removes an accelerometer");
+  await page.locator('[data-node="1"]').click();
+  await page.locator(".legend-row select").selectOption("1:+Y");
+  await page.getByRole("switch", { name: "extra mass" }).focus();
+  await page.keyboard.press("Space");
+  await page.getByLabel("at", { exact: true }).selectOption("9:+Y");
+  await fill(page, "Lines", 401);
+  await fill(page, "Averages", 12);
+  await examine(page, "rig", folder);
+}
+
+async function measure(page) {
+  await page.locator("body").press("Home");
+  await tabTo(page, "a.next");
+  await page.keyboard.press("Enter");
+  await page.getByRole("heading", { name: "Frequency responses" }).waitFor();
+  await tabTo(page, "button.primary");
+  const begin = Date.now();
+  await page.keyboard.press("Enter");
+  await page.locator(".chart canvas").first().waitFor();
+  const measured = Date.now() - begin;
+  await tabTo(page, ".chart");
+  await page.keyboard.press("ArrowRight");
+  assert(/\d Hz/.test(await page.locator(".readout-freq").innerText()), "the cursor tells a frequency");
+  await page.keyboard.press("+");
+  assert((await page.locator(".zoom-range").innerText()) !== "0 – 800 Hz", "plus zooms");
+  await page.keyboard.press("0");
+  assert((await page.locator(".zoom-range").innerText()) === "0 – 800 Hz", "0 shows all");
+  for (const name of ["Phase", "Real", "Imaginary", "Nyquist"]) {
+    await page.getByRole("radio", { name }).check({ force: true });
+    await page.waitForTimeout(80);
+  }
+  await page.screenshot({ path: `${folder}/measure-nyquist.png`, fullPage: true });
+  await page.getByRole("radio", { name: "Magnitude" }).check({ force: true });
+  const file = page.waitForEvent("download");
+  await page.getByRole("button", { name: "CSV" }).click();
+  const text = readFileSync(await (await file).path(), "utf8");
+  assert(text.split("\n").length === 403, "the table has a line for each of 401 frequencies");
+  const python = await page.getByRole("button", { name: "Copy as Python" }).getAttribute("data-python");
+  await examine(page, "measure", folder);
+  return { measured, python };
+}
+
+async function extract(page) {
+  await page.locator("a.next").first().press("Enter");
+  await page.getByRole("heading", { name: "Modes" }).waitFor();
+  const plot = page.locator(".chart .u-over").first();
+  const box = await plot.boundingBox();
+  await page.mouse.move(box.x + 0.5 * box.width, box.y + 60);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 0.57 * box.width, box.y + 60, { steps: 4 });
+  await page.mouse.up();
+  assert((await page.locator(".bands li").count()) === 1, "a dragged band is in the list");
+  await page.getByRole("radio", { name: "Found" }).check({ force: true });
+  await tabTo(page, "button.primary");
+  await page.keyboard.press("Enter");
+  await page.locator("tbody tr").first().waitFor();
+  const modes = await page.locator("tbody tr").count();
+  assert(modes === 8, `${modes} modes are found, of 8 below 800 Hz`);
+  await page.getByRole("button", { name: "Show mode 3" }).press("Enter");
+  await page.locator(".measured-shape circle").first().waitFor();
+  await page.getByText(/model mode 3/).waitFor();
+  const python = await page.getByRole("button", { name: "Copy as Python" }).getAttribute("data-python");
+  await examine(page, "extract", folder);
+  return { modes, python };
+}
+
+async function correlate(page) {
+  await page.locator("a.next").first().press("Enter");
+  await page.locator(".mac svg").waitFor();
+  await tabTo(page, "button.primary");
+  await page.keyboard.press("Enter");
+  await page.locator(".bars").waitFor();
+  const python = await page.getByRole("button", { name: "Copy as Python" }).getAttribute("data-python");
+  await examine(page, "correlate", folder);
+  return { python };
+}
+
+async function diagnose(page) {
+  await page.locator("a.next").first().press("Enter");
+  await tabTo(page, "button.primary");
+  await page.keyboard.press("Enter");
+  await page.locator(".verdict").waitFor({ timeout: 300_000 }); // alone it takes five seconds
+  const verdict = await page.locator(".verdict").innerText();
+  assert(verdict.includes("extra mass at 9:+Y"), verdict);
+  await page.locator(".chart canvas").first().waitFor();
+  const python = await page.getByRole("button", { name: "Copy as Python" }).getAttribute("data-python");
+  await examine(page, "diagnose", folder);
+  shared = page.url();
+  return { verdict, python };
+}
+
+async function ownFiles(page) {
+  const test = /[?&]t=([^&,]+)/.exec(page.url())[1];
+  const file = await page.request.get(`${address}/v1/measurements/${test}/frf.uff`);
+  await page.getByLabel("Drop FRFs here, or choose files").setInputFiles({ name: "own.uff", mimeType: "application/octet-stream", buffer: await file.body() });
+  await page.waitForFunction((old) => !location.hash.includes(old), test);
+  const model = { kind: "beam", length: 1, n_elements: 8, section: { area: 5e-4, second_moment: 4e-9 }, material: { modulus: 2e11, density: 7800 } };
+  await page.getByLabel("Drop a model here").setInputFiles({ name: "model.json", mimeType: "application/json", buffer: Buffer.from(JSON.stringify(model)) });
+  await page.getByText("Not diagnosed yet").waitFor();
+}
+
+async function sharedAddress(page) {
+  const other = await page.context().newPage();
+  await other.goto(shared);
+  const verdict = other.locator(".verdict");
+  await verdict.waitFor();
+  assert((await verdict.innerText()).includes("extra mass"), "a shared address shows the diagnosis");
+  assert(!shared.includes("extra_mass"), "the address tells no hidden effect");
+  await other.close();
+}
+
+async function errors(page, faults) {
+  await page.goto(`${address}/#measure?s=none&t=none`);
+  await page.getByRole("alert").first().waitFor();
+  await examine(page, "error", folder);
+  await page.goto(`${address}/#diagnose`);
+  await page.getByText("A model and a test are needed").waitFor();
+  const refused = faults.splice(0); // the browser writes every refused request to its console
+  assert(refused.length > 0 && refused.every((fault) => fault.includes("404")), refused.join("; "));
+}
+
+async function reference(page) {
+  await page.goto(`${address}/docs`);
+  await page.getByText("Create a structure").first().waitFor();
+  await page.screenshot({ path: `${folder}/reference.png` });
+}

@@ -1,0 +1,97 @@
+/** The frame of the page: views as steps of a test, and the light. */
+
+import { useEffect, useState } from "preact/hooks";
+import { type State, type View, VIEWS, address, useAddress } from "./state";
+import { CorrelateView } from "./views/correlate";
+import { DiagnoseView } from "./views/diagnose";
+import { ExtractView } from "./views/extract";
+import { MeasureView } from "./views/measure";
+import { RigView } from "./views/rig";
+
+const TITLES: Record<View, string> = {
+  rig: "Rig",
+  measure: "Measure",
+  extract: "Extract",
+  correlate: "Correlate",
+  diagnose: "Diagnose",
+};
+
+const COMPONENTS = {
+  rig: RigView,
+  measure: MeasureView,
+  extract: ExtractView,
+  correlate: CorrelateView,
+  diagnose: DiagnoseView,
+};
+
+export function App() {
+  const state = useAddress();
+  const View = COMPONENTS[state.view];
+  useEffect(() => {
+    document.title = `${TITLES[state.view]} – modallab`;
+  }, [state.view]);
+  return (
+    <>
+      <a class="skip" href="#main" onClick={focusMain}>Skip to the view</a>
+      <header class="top">
+        <a class="brand" href={address({ ...state, view: "rig" })}>
+          <Trace />
+          modallab
+        </a>
+        <Steps state={state} />
+        <div class="top-end">
+          <a class="quiet" href="docs">API</a>
+          <LightSwitch />
+        </div>
+      </header>
+      <main id="main" tabIndex={-1}>
+        <View key={state.view} state={state} />
+      </main>
+    </>
+  );
+}
+
+function focusMain(event: Event) {
+  event.preventDefault();
+  document.getElementById("main")!.focus();
+}
+
+function Trace() {
+  return (
+    <svg class="trace" viewBox="0 0 32 20" aria-hidden="true">
+      <path d="M1 17h8c4 0 4-14 7-14s3 14 7 14h8" />
+    </svg>
+  );
+}
+
+function Steps({ state }: { state: State }) {
+  return (
+    <nav class="steps" aria-label="Steps of a test">
+      {VIEWS.map((view, i) => (
+        <a href={address({ ...state, view })} aria-current={view === state.view ? "page" : undefined}>
+          <span class="number" aria-hidden="true">{i + 1}</span>
+          {TITLES[view]}
+        </a>
+      ))}
+    </nav>
+  );
+}
+
+const LIGHTS = ["system", "light", "dark"] as const;
+
+function LightSwitch() {
+  const [light, setLight] = useState(() => localStorage.getItem("light") ?? "system");
+  useEffect(() => {
+    if (light === "system") document.documentElement.removeAttribute("data-light");
+    else document.documentElement.dataset.light = light;
+    localStorage.setItem("light", light);
+    dispatchEvent(new Event("lightchange"));
+  }, [light]);
+  const next = LIGHTS[(LIGHTS.indexOf(light as (typeof LIGHTS)[number]) + 1) % LIGHTS.length];
+  return (
+    <button type="button" class="quiet" onClick={() => setLight(next)} title={`Colours: ${light}; change to ${next}`}>
+      <span class="visually-hidden">Colours: </span>
+      {light === "system" ? "Auto" : light === "light" ? "Light" : "Dark"}
+    </button>
+  );
+}

@@ -1,0 +1,6 @@
+import { render } from "preact";
+import "./fonts.css";
+import "./style.css";
+import { App } from "./app";
+
+render(<App />, document.getElementById("page")!);

@@ -1,0 +1,128 @@
+/** What the service answers, as far as the page reads it. */
+
+import { arrays, get } from "./api";
+import type { Place } from "./format";
+import { type Frfs, frfsOf } from "./frf";
+
+export interface Parameter {
+  unit: string;
+  lower: number;
+  upper: number;
+  absent: number | null;
+  doc: string;
+}
+
+export interface CatalogueEntry {
+  kind: string;
+  summary: string;
+  parameters: Record<string, Parameter>;
+}
+
+export interface Structure {
+  id: string;
+  name: string;
+  n_nodes: number;
+  n_dofs: number;
+  members: number;
+}
+
+export interface Geometry {
+  nodes: Record<string, number[]>;
+  members: { number: number; nodes: number[] }[];
+  dofs: string[];
+}
+
+export interface StructureModes {
+  frequencies: number[];
+  loss_factors: number[];
+  n_rigid_body: number;
+}
+
+export interface Measurement {
+  id: string;
+  created: string;
+  averages: number | null;
+  kind: string;
+  outputs: string[];
+  inputs: string[];
+  n_lines: number;
+  frequency_min: number;
+  frequency_max: number;
+  notes: string[];
+  route: string | null;
+  rig: { analyser: { window: string; estimator: string; excitation: { kind: string } }; exciter: { kind: string } };
+}
+
+export interface Spread {
+  min: number;
+  max: number;
+  mean: number;
+  sd: number;
+  n: number;
+}
+
+export interface Mode {
+  frequency: number;
+  loss_factor: number;
+  frequency_spread: Spread | null;
+  loss_factor_spread: Spread | null;
+  standard_errors: { frequency?: number; loss_factor?: number };
+  flags: string[];
+}
+
+export interface ModalModel {
+  id: string;
+  modes: Mode[];
+  method: string;
+  measurement_id: string | null;
+  notes: string[];
+  choices: Record<string, string>;
+}
+
+export interface Effect {
+  kind: string;
+  at: Place;
+  parameters: Record<string, { value: number; standard_error: number | null; unit: string }>;
+}
+
+export interface Rival {
+  kind: string;
+  at: Place;
+  probability: number;
+  gap_after: number;
+}
+
+export interface Step {
+  effect: Effect;
+  probability: number;
+  gap_before: number;
+  gap_after: number;
+  held_out_gap_before: number | null;
+  held_out_gap_after: number | null;
+  rivals: Rival[];
+  rivals_alike: { kind: string; at: Place }[];
+}
+
+export interface Diagnosis {
+  id: string;
+  verdict: string;
+  headline: string;
+  located: { words: string[]; bands: number[][] };
+  steps: Step[];
+  remaining_gap: number;
+  gaps: { before: Record<string, number | null>; after: Record<string, number | null> };
+  candidates: Rival[];
+  next_test: { why: string; change: Record<string, unknown>; separates: string[] } | null;
+  notes: string[];
+  structure_id: string;
+  rig_id: string;
+}
+
+export const catalogue = (family: string) => get<CatalogueEntry[]>(`/catalog/${family}`);
+export const structure = (id: string) => get<Structure>(`/structures/${id}`);
+export const geometry = (id: string) => get<Geometry>(`/structures/${id}/geometry`);
+export const structureModes = (id: string) => get<StructureModes>(`/structures/${id}/modes?count=10`);
+export const measurement = (id: string) => get<Measurement>(`/measurements/${id}`);
+export const modalModel = (id: string) => get<ModalModel>(`/modal-models/${id}`);
+export const diagnosis = (id: string) => get<Diagnosis>(`/diagnoses/${id}`);
+export const frfs = async (id: string): Promise<Frfs> => frfsOf(await arrays(`/measurements/${id}/arrays`));

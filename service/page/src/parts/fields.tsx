@@ -1,0 +1,111 @@
+/** Controls of a front panel. */
+
+import type { ComponentChildren } from "preact";
+import { useEffect, useId, useState } from "preact/hooks";
+import { words } from "../format";
+
+export function Group({ title, children }: { title: string; children: ComponentChildren }) {
+  return (
+    <fieldset class="group">
+      <legend>{title}</legend>
+      <div class="group-fields">{children}</div>
+    </fieldset>
+  );
+}
+
+interface NumberProps {
+  label: string;
+  unit?: string;
+  value: number;
+  set(value: number): void;
+  min?: number;
+  max?: number;
+  whole?: boolean;
+}
+
+export function NumberField({ label, unit, value, set, min = -Infinity, max = Infinity, whole }: NumberProps) {
+  const id = useId();
+  const [text, setText] = useState(String(value));
+  useEffect(() => setText(String(value)), [value]);
+  const number = Number(text.replace(",", "."));
+  const wrong = text.trim() === "" || !Number.isFinite(number) || number < min || number > max || (whole && !Number.isInteger(number));
+  const read = (event: Event) => {
+    const entered = (event.currentTarget as HTMLInputElement).value;
+    setText(entered);
+    const parsed = Number(entered.replace(",", "."));
+    if (entered.trim() !== "" && Number.isFinite(parsed) && parsed >= min && parsed <= max) {
+      if (!whole || Number.isInteger(parsed)) set(parsed);
+    }
+  };
+  return (
+    <div class="field">
+      <label for={id}>{label}</label>
+      <span class="input">
+        <input
+          id={id}
+          inputMode="decimal"
+          autocomplete="off"
+          value={text}
+          aria-invalid={wrong || undefined}
+          aria-describedby={wrong ? `${id}-wrong` : undefined}
+          onInput={read}
+        />
+        {unit && <span class="unit">{unit}</span>}
+      </span>
+      {wrong && <span class="wrong" id={`${id}-wrong`}>{allowed(min, max, whole)}</span>}
+    </div>
+  );
+}
+
+function allowed(min: number, max: number, whole?: boolean): string {
+  const kind = whole ? "a whole number" : "a number";
+  if (Number.isFinite(min) && Number.isFinite(max)) return `${kind} from ${min} to ${max}`;
+  return Number.isFinite(min) ? `${kind} from ${min}` : kind;
+}
+
+interface SelectProps {
+  label: string;
+  value: string;
+  set(value: string): void;
+  options: { value: string; text?: string; hint?: string }[];
+}
+
+export function SelectField({ label, value, set, options }: SelectProps) {
+  const id = useId();
+  const hint = options.find((option) => option.value === value)?.hint;
+  return (
+    <div class="field">
+      <label for={id}>{label}</label>
+      <span class="input">
+        <select id={id} value={value} title={hint} onChange={(event) => set(event.currentTarget.value)}>
+          {options.map((option) => (
+            <option value={option.value}>{option.text ?? words(option.value)}</option>
+          ))}
+        </select>
+      </span>
+    </div>
+  );
+}
+
+interface ChoiceProps<T extends string> {
+  label: string;
+  value: T;
+  set(value: T): void;
+  options: { value: T; text: string }[];
+}
+
+/** One of a few, all in sight. */
+export function Choice<T extends string>({ label, value, set, options }: ChoiceProps<T>) {
+  const name = useId();
+  return (
+    <fieldset class="choice">
+      <legend class="visually-hidden">{label}</legend>
+      {options.map((option) => (
+        <label>
+          <input type="radio" name={name} checked={option.value === value} onChange={() => set(option.value)} />
+          <span>{option.text}</span>
+        </label>
+      ))}
+    </fieldset>
+  );
+}

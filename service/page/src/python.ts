@@ -1,0 +1,53 @@
+/** The same work as Python, with the client of the service. */
+
+import type { CatalogueEntry } from "./model";
+import { type RigDraft, bodyOf } from "./rig";
+
+/** Return a value as Python writes it. */
+export function literal(value: unknown): string {
+  if (value === null || value === undefined) return "None";
+  if (value === true) return "True";
+  if (value === false) return "False";
+  if (Array.isArray(value)) return `[${value.map(literal).join(", ")}]`;
+  if (typeof value === "object") {
+    return `{${Object.entries(value as object).map(([name, entry]) => `${literal(name)}: ${literal(entry)}`).join(", ")}}`;
+  }
+  return JSON.stringify(value);
+}
+
+/** Return code with a connection around indented lines. */
+export function program(lines: string[]): string {
+  const body = lines.map((line) => (line ? `    ${line}` : "")).join("\n");
+  return `from modallab_client import ModalLab\n\nwith ModalLab(${literal(origin())}) as lab:\n${body}\n`;
+}
+
+function origin(): string {
+  return new URL(".", location.href).href.replace(/\/$/, "");
+}
+
+export function structureLine(name: string, id: string, known: CatalogueEntry[] | null): string {
+  return known?.some((entry) => entry.kind === name)
+    ? `model = lab.structures.catalogue(${literal(name)})`
+    : `model = lab.structures.get(${literal(id)})`;
+}
+
+export function rigLines(rig: RigDraft): string[] {
+  const fields = Object.entries(bodyOf(rig)).map(([name, value]) => `    ${name}=${literal(value)},`);
+  return ["rig = lab.rigs.create(", ...fields, ")"];
+}
+
+export interface HiddenEffect {
+  kind: string;
+  at: unknown;
+  parameters: Record<string, number>;
+}
+
+export function measureLines(effects: HiddenEffect[], seed: number): string[] {
+  const hidden = effects.length ? [`effects = ${literal(effects)}  # in no log book`] : [];
+  const also = effects.length ? ", effects=effects" : "";
+  return [
+    ...hidden,
+    `test = lab.measurements.start(model.id, rig.id, seed=${seed}${also}).result()`,
+    "print(test.freq.shape, test.values.shape, test.coherence.min())",
+  ];
+}

@@ -1,0 +1,85 @@
+/** Hooks: what a view loads, and the job that it waits for. */
+
+import { useCallback, useEffect, useRef, useState } from "preact/hooks";
+import { type Job, type Problem, ProblemError, cancel, follow, post } from "./api";
+
+export interface Loaded<T> {
+  value: T | null;
+  problem: Problem | null;
+  loading: boolean;
+}
+
+const asProblem = (error: unknown): Problem =>
+  error instanceof ProblemError
+    ? error.problem
+    : { title: "The page failed", status: 0, detail: String(error), code: "page", context: {} };
+
+const cache = new Map<string, Promise<unknown>>();
+
+/** Return what `load` brings, loaded again when `key` changes; results are kept, for nothing stored changes. */
+export function useLoaded<T>(key: string | null, load: () => Promise<T>): Loaded<T> {
+  const [state, setState] = useState<Loaded<T> & { key: string | null }>({ ...IDLE, key: null });
+  useEffect(() => {
+    if (key === null) return;
+    let current = true;
+    if (!cache.has(key)) cache.set(key, load());
+    const promise = cache.get(key) as Promise<T>;
+    promise.then(
+      (value) => current && setState({ key, value, problem: null, loading: false }),
+      (error) => {
+        cache.delete(key);
+        if (current) setState({ key, value: null, problem: asProblem(error), loading: false });
+      },
+    );
+    return () => {
+      current = false;
+    };
+  }, [key]);
+  if (key === null) return IDLE;
+  return state.key === key ? state : { value: null, problem: null, loading: true };
+}
+
+const IDLE = { value: null, problem: null, loading: false };
+
+export interface Work {
+  job: Job | null;
+  problem: Problem | null;
+  busy: boolean;
+  /** Send a request that starts a job, and follow it. */
+  start(path: string, body: unknown | (() => Promise<unknown>)): void;
+  stop(): void;
+}
+
+/** Return the work of a view: a job that is started, followed, and ends in an id given to `done`. */
+export function useWork(done: (resultId: string) => void): Work {
+  const [job, setJob] = useState<Job | null>(null);
+  const [problem, setProblem] = useState<Problem | null>(null);
+  const [busy, setBusy] = useState(false);
+  const abort = useRef<AbortController | null>(null);
+  useEffect(() => () => abort.current?.abort(), []);
+  const start = useCallback((path: string, body: unknown | (() => Promise<unknown>)) => {
+    const controller = new AbortController();
+    abort.current?.abort();
+    abort.current = controller;
+    setProblem(null);
+    setJob(null);
+    setBusy(true);
+    const run = async () => {
+      const request = typeof body === "function" ? await body() : body;
+      const first = await post<Job>(path, request);
+      setJob(first);
+      const last = await follow(first.id, setJob, controller.signal);
+      if (last.state === "failed") setProblem(last.error);
+      if (last.state === "succeeded") done(last.result_id!);
+    };
+    run()
+      .catch((error) => setProblem(asProblem(error)))
+      .finally(() => setBusy(false));
+  }, [done]);
+  const stop = () => {
+    if (job) cancel(job.id).catch((error) => setProblem(asProblem(error)));
+  };
+  return { job, problem, busy, start, stop };
+}
+
+export { asProblem };

@@ -1,0 +1,45 @@
+"""Node and Chromium, where they are at hand."""
+
+import shutil
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.serving import Lab, free_port, running
+
+SOURCES = Path(__file__).parents[2] / "service" / "page"
+NODE = (20, 19)  # what Vite 7 needs
+
+
+@pytest.fixture(scope="session")
+def node() -> str:
+    """Path of a recent node, with the packages of the page installed."""
+    path = shutil.which("node")
+    if path is None:
+        pytest.skip("node is not installed")
+    version = subprocess.run([path, "--version"], capture_output=True, text=True, check=True).stdout
+    if tuple(map(int, version.strip().removeprefix("v").split(".")[:2])) < NODE:
+        pytest.skip(f"node {version.strip()} is older than {NODE[0]}.{NODE[1]}")
+    if not (SOURCES / "node_modules" / "vite").is_dir():
+        pytest.skip("the packages of the page are not installed: run `make page`")
+    return path
+
+
+@pytest.fixture(scope="session")
+def chromium() -> str:
+    """Path of Chromium."""
+    path = shutil.which("chromium") or shutil.which("chromium-browser")
+    if path is None:
+        pytest.skip("chromium is not installed")
+    return path
+
+
+@pytest.fixture(scope="module")
+def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Address of a service with nothing in it."""
+    port, data = free_port(), tmp_path_factory.mktemp("page")
+    with running("serve", "--port", str(port), data=data), Lab(port) as lab:
+        lab.wait_until_up()
+        yield f"http://127.0.0.1:{port}"
