@@ -52,4 +52,4 @@ def restore(file: Path, data: Path | None) -> None:
 
 
 def _words(counts: dict[str, int]) -> str:
-    return ", ".join(f"{n} {name}" for name, n in counts.items()) or "nothing"
+    return ", ".join(f"{n} {name}" for name, n in counts.items() if n) or "nothing"

@@ -14,7 +14,7 @@ from modallab.api.deps import Id, IdPath
 from modallab.api.examples import example
 from modallab.api.files import CsvRoute
 from modallab.api.keys import SECRET, KeyReply, KeysDep, NewKeyReply, keep_secret, key_reply, new_key_reply
-from modallab.api.media import CSV_TYPE, CsvWanted, csv_replies, csv_reply
+from modallab.api.media import CsvWanted, csv_replies, csv_reply
 from modallab.api.replies import reply
 from modallab.api.wire import HolderName, Reply, Wire
 from modallab.core.errors import InvalidInputError
@@ -27,16 +27,6 @@ _CLASS = {"name": "Structural dynamics, autumn", "expires": "2030-03-31T00:00:00
 _MEMBERS = {"names": ["student 1", "student 2"]}
 _COLUMNS = ("name", "id", "key")
 _MOST_MEMBERS = 1000
-_CSV_BODY = {
-    "requestBody": {
-        "content": {
-            CSV_TYPE: {
-                "schema": {"type": "string", "description": "table with a column `name`"},
-                "examples": {"example": {"value": "name\r\nstudent 1\r\nstudent 2\r\n"}},
-            }
-        }
-    }
-}
 _CSV_REPLY: dict[int | str, dict[str, Any]] = {201: csv_replies(_COLUMNS)[200]}
 
 
@@ -182,7 +172,6 @@ router.add_api_route(
     response_model=NewMembers,
     responses=_CSV_REPLY,
     summary="Add members",
-    openapi_extra=_CSV_BODY,
     dependencies=[SECRET],
 )
 def add_members(

@@ -11,7 +11,7 @@ import sqlalchemy as sa
 from dbos import DBOS, DBOSClient, Serializer
 from dbos import _queue as dbos_queue
 
-from modallab.jobs.wake import Bell, Caller, Listener
+from modallab.jobs.wake import Bell, Listener, Notifier
 
 NAME = "modallab"
 QUEUE = "jobs"
@@ -42,8 +42,8 @@ class JsonSerializer(Serializer):
 class DbosEngine:
     """What the reconciler asks of DBOS, see `jobs.reconciler.Engine`."""
 
-    def __init__(self, client: DBOSClient, caller: Caller) -> None:
-        self._client, self._caller = client, caller
+    def __init__(self, client: DBOSClient, notifier: Notifier) -> None:
+        self._client, self._notifier = client, notifier
 
     def states(self, job_ids: Sequence[str]) -> dict[str, bool]:
         """Return whether each job is still to be done, of those that DBOS knows."""
@@ -68,12 +68,12 @@ class DbosEngine:
             {"workflow_name": "job", "queue_name": QUEUE, "workflow_id": job_id, "app_version": VERSION},
             job_id,
         )
-        self._caller.ring()
+        self._notifier.ring()
 
     def restart(self, job_id: str) -> None:
         """Queue a job anew that DBOS has ended."""
         self._client.rewind_workflow(job_id, application_version=VERSION, queue_name=QUEUE)
-        self._caller.ring()
+        self._notifier.ring()
 
     def stop(self, job_id: str) -> None:
         """Stop a job that is not wanted any more."""
@@ -87,7 +87,7 @@ class DbosEngine:
         for workflow in pending:
             # Only while it is still that executor's: two that take over at once disturb nothing.
             self._client._sys_db.reenqueue_for_recovery(workflow.workflow_id, list(executor_ids), QUEUE)
-        self._caller.ring()
+        self._notifier.ring()
 
 
 def connected(engine: sa.Engine, schema: str) -> DBOSClient:

@@ -34,7 +34,7 @@ from modallab.jobs.processes import WorkerProcesses
 from modallab.jobs.reconciler import Reconciler
 from modallab.jobs.runner import Job, JobState, RequestKey, time_limit_error
 from modallab.jobs.settings import JOB
-from modallab.jobs.wake import Bell, Caller
+from modallab.jobs.wake import Bell, Notifier
 from modallab.jobs.work import INTERNAL, count_shares, describe, log_end, perform, perform_share
 from modallab.store.engine import make_engine
 from modallab.store.place import StorePlace, engine_of
@@ -51,7 +51,7 @@ class _Site:
     place: StorePlace
     book: JobBook
     processes: WorkerProcesses
-    caller: Caller
+    notifier: Notifier
 
 
 _BELL = Bell()
@@ -121,7 +121,7 @@ async def _results_of_shares(job_id: str) -> Sequence[Result] | None:
         return None
     await to_thread.run_sync(patiently, book.progress, job_id, 0.0, f"0 of {n} runs")
     workflows = [await DBOS.enqueue_workflow_async(SHARES, _share, job_id, index) for index in range(n)]
-    await to_thread.run_sync(_site.caller.ring)
+    await to_thread.run_sync(_site.notifier.ring)
     results: list[Result] = []
     for share in workflows:
         results.append(await share.get_result(polling_interval_sec=JOB.polling_interval))
@@ -181,7 +181,7 @@ class DurableRunner:
         self._executor = Executor.here(executor_id) if runs else None
         self._executors, self._watch = ExecutorBook(engine_of(place)), Watch()
         self._engine = make_engine(jobs.url, schema=jobs.schema)
-        self._caller = Caller(self._engine, jobs.schema, _BELL)
+        self._notifier = Notifier(self._engine, jobs.schema, _BELL)
         self._client: DBOSClient | None = None
         self._reconciler: Reconciler | None = None
 
@@ -195,12 +195,12 @@ class DurableRunner:
         """
         if self._executor is not None:
             await to_thread.run_sync(self._executors.enter, self._executor)
-            self._caller.listen()
+            self._notifier.listen()
             await self._launch(self._executor.id)
         self._client = await to_thread.run_sync(connected, self._engine, self._jobs.schema)
         if self._executor is not None:
             self._reconciler = Reconciler(
-                self._executor, self._executors, self._book, DbosEngine(self._client, self._caller)
+                self._executor, self._executors, self._book, DbosEngine(self._client, self._notifier)
             )
             await to_thread.run_sync(self._reconciler.start)
         return self
@@ -208,7 +208,7 @@ class DurableRunner:
     async def _launch(self, executor_id: str) -> None:
         global _site
         cores = max(1, (os.cpu_count() or 1) - 1)
-        _site = _Site(self._place, self._book, WorkerProcesses(cores), self._caller)
+        _site = _Site(self._place, self._book, WorkerProcesses(cores), self._notifier)
         DBOS(
             config={
                 "name": NAME,
@@ -248,7 +248,7 @@ class DurableRunner:
             if _site is not None:
                 await _site.processes.leave()
             await to_thread.run_sync(self._hand_back, self._executor)
-            await to_thread.run_sync(self._caller.end)
+            await to_thread.run_sync(self._notifier.end)
         if self._client is not None:
             await to_thread.run_sync(self._client.destroy)
         self._engine.dispose()
@@ -257,7 +257,7 @@ class DurableRunner:
         """Queue anew what this process was working on, and leave the executors."""
         try:
             if self._client is not None:
-                DbosEngine(self._client, self._caller).recover([executor.id])
+                DbosEngine(self._client, self._notifier).recover([executor.id])
             self._executors.remove(executor)
         except Exception as error:  # the others will take this process for lost
             if not is_outage(error):
@@ -270,7 +270,9 @@ class DurableRunner:
         """Queue a task and return its job."""
         job = self._book.open(task, arguments, owner=owner, request=request)
         assert self._client is not None
-        DbosEngine(self._client, self._caller).enqueue(job.id)  # an id that is queued already is queued once
+        DbosEngine(self._client, self._notifier).enqueue(
+            job.id
+        )  # an id that is queued already is queued once
         _log.info("job queued", job=job.id, task=task)
         return job
 

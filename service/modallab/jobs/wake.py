@@ -64,7 +64,7 @@ class Listener:
         return self._stop.is_set()
 
 
-class Caller:
+class Notifier:
     """Rings the bells of all processes that share a database; without PostgreSQL that of this process.
 
     Parameters

@@ -118,6 +118,7 @@ ROWS: dict[str, Row] = {
     "get_ready": public(),
     "get_version": public(),
     "list_members": anyone(paths={"family": "effects"}),
+    "list_limits": anyone(),
     # structures
     "create_structure": anyone(201, body=lambda _: BEAM),
     # refused for its damping law: a file that is read takes a process and two seconds
@@ -135,6 +136,7 @@ ROWS: dict[str, Row] = {
     "get_mode_arrays": owned(id="structure"),
     "get_frf": owned(id="structure", query="?drive=1:%2BY&responses=1:%2BY&frequency_max=100&n_lines=9"),
     "get_geometry": owned(id="structure"),
+    "get_geometry_uff": owned(id="structure"),
     "get_reduced": owned(id="structure", query="?kind=guyan&masters=1:%2BY&masters=9:%2BY"),
     "make_synthetic_modes": owned(201, id="structure", body=of(count=2, dofs=POINTS)),
     "expand_modes": owned(201, id="structure", body=of("modal_model", reduction="serep")),
@@ -293,7 +295,7 @@ SESSIONS = {"create_session", "get_session", "delete_session"}
 
 @pytest.mark.parametrize("name", OPERATIONS)
 def test_the_role_service_is_for_programs_that_watch_the_service(school: School, name: str) -> None:
-    allowed = {"get_health", "get_ready", "get_version", "list_keys", *SESSIONS}
+    allowed = {"get_health", "get_ready", "get_version", "list_limits", "list_keys", *SESSIONS}
     if name in ("get_key", "rotate_key", "revoke_key"):  # of others
         assert answer(school, "service", name).status_code == 404
     else:

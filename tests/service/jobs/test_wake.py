@@ -12,7 +12,7 @@ from anyio import to_thread
 from modallab.jobs.book import JobBook
 from modallab.jobs.durable import DurableRunner, JobPlace
 from modallab.jobs.settings import JOB
-from modallab.jobs.wake import Bell, Caller, Listener
+from modallab.jobs.wake import Bell, Listener, Notifier
 from modallab.store.engine import make_engine
 from modallab.store.place import StorePlace, engine_of
 
@@ -70,13 +70,13 @@ def test_a_call_reaches_the_process_that_works(places: Places) -> None:
     """In PostgreSQL another bell stands for another process; SQLite has none."""
     engine = make_engine(places[1].url, schema=places[1].schema)
     here, there = quiet_bell(), quiet_bell()
-    listening = Caller(engine, places[1].schema, there)
+    listening = Notifier(engine, places[1].schema, there)
     listening.listen()
     try:
         shared = engine.dialect.name == "postgresql"
         assert until(lambda: not shared or there.rings > 0)  # it rings when it has begun to listen
         heard = there.rings
-        Caller(engine, places[1].schema, here).ring()
+        Notifier(engine, places[1].schema, here).ring()
         assert here.rings == 1
         assert until(lambda: there.rings == heard + shared)
     finally:
