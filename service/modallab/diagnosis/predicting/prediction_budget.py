@@ -10,10 +10,10 @@ class PredictionBudget:
     """
 
     def __init__(self, limit: float = BUDGET.predictions_per_test) -> None:
-        self._limit, self.spent = limit, 0
+        self._limit, self.spent = limit, 0.0
 
-    def spend(self, predictions: int = 1) -> None:
-        """Count predictions, or the predictions that take as long."""
+    def spend(self, predictions: float = 1.0) -> None:
+        """Count predictions, the predictions that take as long, or the share of the lines of one."""
         self.spent += predictions
 
     def limit_to(self, share: float) -> None:

@@ -47,9 +47,9 @@ class BudgetSettings(Settings):
     """End of a search that nears no explanation."""
 
     predictions_per_test: int = setting(
-        5_000,
+        3_000,
         unit="predictions",
-        doc="predictions, for each test, after which a search follows no further candidate",
+        doc="predictions of all lines, for each test, after which a search follows no further candidate",
         tuned="blind trial: a pair of effects mostly takes half as many, hopeless searches took ten minutes",
     )
     first_search: float = setting(

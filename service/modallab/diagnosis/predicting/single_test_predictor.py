@@ -168,6 +168,7 @@ class SingleTestPredictor:
         *,
         same_in_all_runs: bool = False,
         initial_rms: FloatArray | None = None,
+        share: float = 1.0,
     ) -> Chain:
         """Return the measuring chain of the model on the rig of the log book, with additional effects.
 
@@ -177,9 +178,11 @@ class SingleTestPredictor:
             Whether nonlinear forces see the same motion in every run, for coarse predictions.
         initial_rms
             Motion of the nonlinear forces (n_run, r) in an almost equal chain, if it is known.
+        share
+            Share of the lines that are predicted.
         """
         self.heartbeat()
-        self.budget.spend()
+        self.budget.spend(share)
         return chain(
             self.model.deviating_system,
             self.setup,
@@ -291,7 +294,8 @@ class SingleTestPredictor:
         return self.observed if self.planned else self.observed.at(self.coarse_places)
 
     def _coarse_spectra(self, effects: Sequence[Effect]) -> CrossSpectra:
-        coarse_chain = self.chain(effects, same_in_all_runs=True)
+        share = len(self.coarse_lines) / len(self.lines)
+        coarse_chain = self.chain(effects, same_in_all_runs=True, share=share)
         return coarse_spectra(coarse_chain, self.step, self.coarse_lines)
 
     def coarse_prediction(self, effects: Sequence[Effect]) -> CoarsePrediction:

@@ -39,6 +39,16 @@ def test_every_prediction_counts_whichever_copy_makes_it() -> None:
     assert predictor.budget.spent == 2
 
 
+def test_a_coarse_prediction_counts_as_the_share_of_its_lines() -> None:
+    log_book = rig()
+    log_book = replace(log_book, analyser=replace(log_book.analyser, n_lines=641))
+    test = draw_measurement(log_book, [MASS], seed=3)
+    predictor = SingleTestPredictor.of(model(), test.setup, observe(test, (), fraction=0.25))
+    predictor.coarse(())
+    # every fourth of 641 lines, the first and the last among them
+    assert predictor.budget.spent == pytest.approx(161 / 641)
+
+
 def test_a_search_that_was_given_up_follows_its_best_lead_only(monkeypatch: pytest.MonkeyPatch) -> None:
     predictor, looked = predicting(), list[int]()
     start, mass, spring = (fit(predictor, effects) for effects in ((), (MASS,), (SPRING,)))
