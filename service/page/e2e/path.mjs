@@ -53,6 +53,7 @@ async function firstLoad(page) {
   await page.evaluate(() => document.fonts.ready);
   await page.waitForTimeout(200);
   assert(bytes < 150_000, `${bytes} bytes are transferred`);
+  assert((await page.getByRole("button", { name: /sign/i }).count()) === 0, "a service without keys asks for none");
   return { bytes };
 }
 

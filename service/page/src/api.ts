@@ -1,21 +1,10 @@
 /** Requests to the public API. */
 
+import { type Problem, posting, request } from "./http";
 import { type Arrays, readNpz } from "./npz";
+import { signedIn } from "./session";
 
-/** Problem document (RFC 9457) of a refused request. */
-export interface Problem {
-  title: string;
-  status: number;
-  detail: string;
-  code: string;
-  context: { field?: string; value?: unknown; allowed?: unknown };
-}
-
-export class ProblemError extends Error {
-  constructor(readonly problem: Problem) {
-    super(problem.detail);
-  }
-}
+export { type Problem, ProblemError, asProblem } from "./http";
 
 export interface Job {
   id: string;
@@ -27,40 +16,14 @@ export interface Job {
   place: number | null;
 }
 
-const UNREACHABLE: Problem = {
-  title: "The service does not answer",
-  status: 0,
-  detail: "The laboratory cannot be reached.",
-  code: "unreachable",
-  context: {},
-};
-
-async function send(path: string, init: RequestInit = {}): Promise<Response> {
-  let reply: Response;
-  try {
-    reply = await fetch(`v1${path}`, init);
-  } catch {
-    throw new ProblemError(UNREACHABLE);
-  }
-  if (!reply.ok) throw new ProblemError(await problemOf(reply));
-  return reply;
-}
-
-async function problemOf(reply: Response): Promise<Problem> {
-  try {
-    return (await reply.json()) as Problem;
-  } catch {
-    return { ...UNREACHABLE, title: "The request failed", status: reply.status, detail: `The reply was ${reply.status}.` };
-  }
-}
+const send = (path: string, init?: RequestInit) => signedIn(() => request(path, init));
 
 export async function get<T>(path: string): Promise<T> {
   return (await send(path)).json();
 }
 
 export async function post<T>(path: string, body: unknown): Promise<T> {
-  const init = { method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body) };
-  return (await send(path, init)).json();
+  return (await send(path, posting(body))).json();
 }
 
 export async function upload<T>(path: string, form: FormData): Promise<T> {
@@ -79,13 +42,14 @@ export async function cancel(job: string): Promise<void> {
 /** Return the last state of a job; `tell` hears of every change before. */
 export function follow(id: string, tell: (job: Job) => void, signal: AbortSignal): Promise<Job> {
   return new Promise((resolve, reject) => {
+    if (signal.aborted) return;
     const events = new EventSource(`v1/jobs/${id}/events`);
     const stop = () => events.close();
     signal.addEventListener("abort", stop);
     events.onmessage = (event) => {
       const job = JSON.parse(event.data) as Job;
       tell(job);
-      if (job.state !== "queued" && job.state !== "running") {
+      if (hasEnded(job)) {
         stop();
         resolve(job);
       }
@@ -93,7 +57,13 @@ export function follow(id: string, tell: (job: Job) => void, signal: AbortSignal
     events.onerror = () => {
       // The browser connects again by itself, unless the service refused.
       if (events.readyState !== EventSource.CLOSED || signal.aborted) return;
-      get<Job>(`/jobs/${id}`).then(resolve, reject);
+      // That may have been for want of a session: the job goes on meanwhile, and so does its stream afterwards.
+      get<Job>(`/jobs/${id}`)
+        .then((job) => (hasEnded(job) ? job : pause().then(() => follow(id, tell, signal))))
+        .then(resolve, reject);
     };
   });
 }
+
+const hasEnded = (job: Job) => job.state !== "queued" && job.state !== "running";
+const pause = () => new Promise((resolve) => setTimeout(resolve, 1000));

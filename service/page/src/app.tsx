@@ -1,6 +1,8 @@
 /** The frame of the page: views as steps of a test, and the light. */
 
 import { useEffect, useState } from "preact/hooks";
+import { Account, SignInForm } from "./parts/sign-in";
+import { resume, useSession } from "./session";
 import { type State, type View, VIEWS, address, useAddress } from "./state";
 import { CorrelateView } from "./views/correlate";
 import { DiagnoseView } from "./views/diagnose";
@@ -26,10 +28,14 @@ const COMPONENTS = {
 
 export function App() {
   const state = useAddress();
+  const session = useSession();
   const View = COMPONENTS[state.view];
   useEffect(() => {
     document.title = `${TITLES[state.view]} – modallab`;
   }, [state.view]);
+  useEffect(() => {
+    resume();
+  }, []);
   return (
     <>
       <a class="skip" href="#main" onClick={focusMain}>Skip to the view</a>
@@ -40,6 +46,7 @@ export function App() {
         </a>
         <Steps state={state} />
         <div class="top-end">
+          <Account session={session} />
           <a class="quiet" href="docs">API</a>
           <LightSwitch />
         </div>
@@ -47,6 +54,7 @@ export function App() {
       <main id="main" tabIndex={-1}>
         <View key={state.view} state={state} />
       </main>
+      {session.asking && <SignInForm />}
     </>
   );
 }

@@ -2,6 +2,7 @@
 
 import type { CatalogueEntry } from "./model";
 import { type RigDraft, bodyOf } from "./rig";
+import { holder } from "./session";
 
 /** Return a value as Python writes it. */
 export function literal(value: unknown): string {
@@ -15,10 +16,11 @@ export function literal(value: unknown): string {
   return JSON.stringify(value);
 }
 
-/** Return code with a connection around indented lines. */
-export function program(lines: string[]): string {
+/** Return code with a connection around indented lines; it names the place of a key, never the key. */
+export function program(lines: string[], address = origin(), withKey = holder() !== null): string {
   const body = lines.map((line) => (line ? `    ${line}` : "")).join("\n");
-  return `from modallab_client import ModalLab\n\nwith ModalLab(${literal(origin())}) as lab:\n${body}\n`;
+  const key = withKey ? "# Your key is read from the environment variable MODALLAB_KEY.\n" : "";
+  return `from modallab_client import ModalLab\n\n${key}with ModalLab(${literal(address)}) as lab:\n${body}\n`;
 }
 
 function origin(): string {

@@ -1,18 +1,13 @@
 /** Hooks: what a view loads, and the job that it waits for. */
 
 import { useCallback, useEffect, useRef, useState } from "preact/hooks";
-import { type Job, type Problem, ProblemError, cancel, follow, post } from "./api";
+import { type Job, type Problem, asProblem, cancel, follow, post } from "./api";
 
 export interface Loaded<T> {
   value: T | null;
   problem: Problem | null;
   loading: boolean;
 }
-
-const asProblem = (error: unknown): Problem =>
-  error instanceof ProblemError
-    ? error.problem
-    : { title: "The page failed", status: 0, detail: String(error), code: "page", context: {} };
 
 const cache = new Map<string, Promise<unknown>>();
 

@@ -41,13 +41,14 @@ export function ProblemNote({ problem, again }: { problem: Problem; again?: () =
 const ADVICE: Record<string, string> = {
   unreachable: "Is the service running? Start it with modallab serve, then try again.",
   not_found: "The address names something that this service does not have. Begin with step 1, Rig.",
+  unauthorized: "Sign in at the top of the page, then try again.",
   queue_full: "Other work is waiting. Try again in a minute.",
   no_json: "Give the body of POST /v1/structures as JSON; the API reference describes it.",
   internal: "This is a fault of the service. Its log says more.",
   page: "This is a fault of the page. Load it again; your settings are in the address.",
 };
 
-function sentence(text: string): string {
+export function sentence(text: string): string {
   const start = text.charAt(0).toUpperCase() + text.slice(1);
   return /[.!?]$/.test(start) ? start : `${start}.`;
 }
