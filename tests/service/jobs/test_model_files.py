@@ -13,36 +13,8 @@ from modallab.interchange.mesh.description import MeshDescription
 from modallab.interchange.model_reading import read_model
 from modallab.jobs.model_files import ModelRequest, read_model_confined
 from modallab.store.codec import CODECS
+from tests.faults.heavy import ABAQUS, GMSH, VTK
 
-ABAQUS = """*NODE
-1, 0., 0., 0.
-2, 1., 0., 0.
-*ELEMENT, TYPE=B31
-1, 1, 2
-*NSET, NSET=all, GENERATE
-1, 1000000000, 1
-"""
-VTK = """# vtk DataFile Version 3.0
-grid
-ASCII
-DATASET STRUCTURED_POINTS
-DIMENSIONS 500 500 200
-ORIGIN 0 0 0
-SPACING 1 1 1
-"""
-GMSH = """$MeshFormat
-4.1 0 8
-$EndMeshFormat
-$Nodes
-1 1 268435456 268435456
-0 1 0 1
-268435456
-0 0 0
-$EndNodes
-$Elements
-0 0 0 0
-$EndElements
-"""
 DECK = b"""BEGIN BULK
 GRID,1,,0.,0.,0.
 GRID,2,,1.,0.,0.
