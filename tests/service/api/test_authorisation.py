@@ -300,3 +300,9 @@ def test_the_role_service_is_for_programs_that_watch_the_service(school: School,
         assert answer(school, "service", name).status_code == 404
     else:
         assert (answer(school, "service", name).status_code < 300) == (name in allowed)
+
+
+def test_metrics_are_for_administrators_and_for_programs_that_watch_the_service(school: School) -> None:
+    callers = ("no key", "student", "instructor", "admin", "service", "revoked")
+    statuses = [school.send(caller, "GET", "/metrics").status_code for caller in callers]
+    assert statuses == [401, 403, 403, 200, 200, 401]
