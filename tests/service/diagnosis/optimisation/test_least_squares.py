@@ -100,6 +100,23 @@ def test_a_number_that_nothing_depends_on_stays_where_it_is() -> None:
     assert descent.position == pytest.approx([3.0, 0.5])
 
 
+def test_a_fit_ends_where_derivatives_promise_only_their_own_error() -> None:
+    true, stated = np.array([[5.0], [0.0]]), np.array([[10.0], [0.1]])
+    least = np.array([0.0, 30.0])  # what no parameter reduces; its mean square is 450
+    evaluated = []
+
+    def residual(u: FloatArray) -> FloatArray:
+        evaluated.append(float(u[0]))
+        return np.asarray(least + true @ u)
+
+    bounds = np.array([-1.0]), np.array([1.0])
+    descent = BoundedGaussNewton(residual, lambda *_: stated, np.zeros(1), bounds)
+    # They promise (0.1 x 30 / 10)^2 = 0.09 by a step of 0.03, which in truth costs (5 x 0.03)^2 = 0.02.
+    descent.minimise(evaluations=20, tolerance=0.03 / 450)
+    assert evaluated == pytest.approx([0.0, -0.03], rel=1e-3)  # 1 + (0.1 / 10)^2
+    assert descent.position == 0.0
+
+
 def test_many_steps_in_a_box_are_nearly_the_best_ones() -> None:
     rng = np.random.default_rng(1)
     slopes, vectors = rng.normal(size=(60, 5)), 3.0 * rng.normal(size=(20, 60))
