@@ -90,6 +90,17 @@ def test_stated_errors_of_what_is_tolerated_are_its_scatter() -> None:
     assert 0.55 < squares < 1.45
 
 
+def test_a_fit_near_another_one_ends_at_the_same_place() -> None:
+    predictor, _ = allowing(rig(kind="random", window="hann"), off(3), (MASS,))
+    alone = fit(predictor, ())
+    from_start, near = fit(predictor, (MASS,)), fit(predictor, (MASS,), near=alone)
+    assert near.nuisance_derivatives is alone.nuisance_derivatives
+    # A fit ends where its steps gain less than a thirtieth of a standard deviation of each parameter.
+    assert abs(near.chi_square - from_start.chi_square) < 0.1
+    amounts = [each.effects[0].parameters["mass"] for each in (near, from_start)]
+    assert abs(amounts[0] - amounts[1]) < 0.1 * near.errors[0]["mass"]
+
+
 def test_an_effect_that_changes_what_a_tolerance_does_is_fitted_with_it_from_anywhere() -> None:
     # Four times the loss of the model is four times what its modes lose more than modelled; of what follows
     # the other law the same share.
