@@ -51,6 +51,16 @@ class SearchResult:
         """Parts of the measurement whose gap is more than random error."""
         return unexplained_parts(self.predictor, self.path.fit, max_lag=None)
 
+    def with_effects(self, effects: tuple[Effect, ...]) -> Fit:
+        """Return a fit that starts from effects and the fit found; the same again for equal effects."""
+        if effects not in self._fits:
+            self._fits[effects] = fit(self.predictor, effects, near=self.path.fit)
+        return self._fits[effects]
+
+    @cached_property
+    def _fits(self) -> dict[tuple[Effect, ...], Fit]:
+        return {}
+
 
 @dataclass(frozen=True, eq=False)
 class SearchTask:
@@ -90,13 +100,13 @@ class SearchTask:
         if nothing_missing and not _deviate_far(second.predictor.nuisances, second.path.fit, stated):
             return second, assumed
         # A search for one effect that explains nothing ends before half of its progress.
-        single_effects = self._first_round(first, part(pulse, 0.05, 0.25))
+        single_effects = self._first_round(first, second, part(pulse, 0.05, 0.25))
         found = self._search_from(first, 1, pulse, single_effects)
         if nothing_missing:
             return (second, assumed) if found.unexplained_parts else (found, None)
         if "frf" not in found.unexplained_parts:
             return found, None
-        alone = fit(second.predictor, found.path.fit.effects, near=second.path.fit)
+        alone = second.with_effects(found.path.fit.effects)
         if not is_noise_only(second.predictor, alone) and self.max_effects > 1:
             first.predictor.budget.limit_to(BUDGET.first_search)
             found = self._search_from(first, self.max_effects, part(pulse, 0.5, 0.75), single_effects)
@@ -112,10 +122,25 @@ class SearchTask:
         )
         return SearchResult(predictor, SearchPath(unexplained), unmeasured)
 
-    def _first_round(self, start: SearchResult, progress: Progress) -> list[Fit]:
-        """Return the fits of single effects, best first."""
+    def _first_round(self, start: SearchResult, second: SearchResult, progress: Progress) -> list[Fit]:
+        """Return the fits of single effects, best first.
+
+        Parameters
+        ----------
+        second
+            The fit under the assumed tolerances: an effect that leaves random error alone there leaves
+            little for a nonlinear force, whose predictions cost most.
+        """
+
+        def explains(single: Fit) -> bool:
+            return is_noise_only(second.predictor, second.with_effects(single.effects))
+
         return fit_candidates(
-            start.predictor, start.path.start, self._suspects(start.predictor), progress=progress
+            start.predictor,
+            start.path.start,
+            self._suspects(start.predictor),
+            progress=progress,
+            explains=explains,
         )
 
     @staticmethod

@@ -1,6 +1,6 @@
 """One round of the search: every suspect beside the accepted effects, the best candidates fitted."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
@@ -48,8 +48,22 @@ class Suspects:
         return sorted(effects, key=lambda effect: -suspicion[type(effect)])
 
 
-def fit_candidates(predictor: Predictor, base: Fit, suspects: Suspects, *, progress: Progress) -> list[Fit]:
-    """Return fits of the accepted effects with one suspect added, best first, one per kind and place."""
+def fit_candidates(
+    predictor: Predictor,
+    base: Fit,
+    suspects: Suspects,
+    *,
+    progress: Progress,
+    explains: Callable[[Fit], bool] | None = None,
+) -> list[Fit]:
+    """Return fits of the accepted effects with one suspect added, best first, one per kind and place.
+
+    Parameters
+    ----------
+    explains
+        Whether a fit leaves random error alone beside what this predictor does not know, as tolerances that
+        are assumed later; None: what leaves random error alone for this predictor.
+    """
     predictor = predictor.with_nuisances_at(base.starting_position)
     likely = suspects.of(predictor, base.effects)
     linear = [effect for effect in likely if effect.on_motion() is None]
@@ -58,6 +72,8 @@ def fit_candidates(predictor: Predictor, base: Fit, suspects: Suspects, *, progr
     suspected = {kind_and_place(effect) for effect in suspects.effects}
     candidates = _Round(predictor, base, suspected)
     candidates.examine(linear, part(progress, 0.0, share))
+    if explains is not None and nonlinear:
+        candidates.accept_best(explains)
     if candidates.explanation is not None:
         explanation, system = candidates.explanation, predictor.system
         nonlinear = [effect for effect in nonlinear if _is_imitated(effect, explanation, system)]
@@ -99,6 +115,14 @@ class _Round:
             if not hopeless and not given_up:
                 self._fit(cost, effect)
         self._fit_neighbours()
+
+    def accept_best(self, explains: Callable[[Fit], bool]) -> None:
+        """Take the best fit for the explanation if it is one, unless there is one already."""
+        if self.explanation is None and self.fits:
+            best = min(self.fits, key=lambda candidate: candidate.bic)
+            if explains(best):
+                cost, effect = self._candidates[kind_and_place(best.effects[-1])]
+                self._max_cost, self.explanation = ROUND.hopeless_cost * cost, effect
 
     def may_be_rival(self, force: Effect) -> bool:
         """Return whether a nonlinear force may come as near the data as the explanation that was found.

@@ -9,8 +9,8 @@ from modallab.core.dof import Dof
 from modallab.core.place import Members
 from modallab.core.progress import silent
 from modallab.diagnosis.fitting.coarse_fit import coarse_fit
-from modallab.diagnosis.fitting.fit import fit
-from modallab.diagnosis.searching.scanning import StartingPoint
+from modallab.diagnosis.fitting.fit import Fit, fit
+from modallab.diagnosis.searching.scanning import StartingPoint, scan
 from modallab.diagnosis.searching.search_round import Suspects, fit_candidates
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.extra_mass import ExtraMass
@@ -52,3 +52,30 @@ def test_an_unmeasured_nonlinear_force_rivals_only_what_its_linearisation_explai
     best, *_ = fit_candidates(predictor, fit(predictor, ()), suspects, progress=silent)
     assert best.effects[-1].at == hidden.at
     assert ("cubic_stiffness" in kinds) is approached
+
+
+@pytest.mark.parametrize("explained", [True, False])
+def test_no_nonlinear_force_is_sought_beside_what_assumed_tolerances_explain(
+    explained: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Stated tolerances leave more than random error of a model that is a little wrong everywhere."""
+    scanned: list[str] = []
+
+    def recorded(*given: Any) -> list[StartingPoint]:
+        scanned.extend(effect.kind for effect in given[2])
+        return scan(*given)
+
+    monkeypatch.setattr(module, "scan", recorded)
+    hidden = StiffnessError(Members((3,)), 0.6)
+    predictor, _ = predicting(draw_measurement(rig(), [StiffnessError(None, 1.005), hidden]))
+    suspects = Suspects([hidden.with_parameters({"factor": 1.5}), CubicStiffness(Dof(7, "Y"))])
+    asked: list[Fit] = []
+
+    def explains(single: Fit) -> bool:
+        asked.append(single)
+        return explained
+
+    best, *_ = fit_candidates(predictor, fit(predictor, ()), suspects, progress=silent, explains=explains)
+    assert [single.effects[-1].at for single in asked] == [hidden.at]
+    assert best.effects[-1].at == hidden.at
+    assert ("cubic_stiffness" in scanned) is not explained
