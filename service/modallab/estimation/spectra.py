@@ -1,5 +1,6 @@
 """Averaged spectra of the runs of a test."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray, frozen
@@ -24,6 +25,13 @@ class CrossSpectra:
         object.__setattr__(self, "ff", frozen(self.ff, complex, (n_run, n_freq, n_in, n_in), name="ff"))
         object.__setattr__(self, "fx", frozen(self.fx, complex, self.fx.shape, name="fx"))
         object.__setattr__(self, "xx", frozen(self.xx, float, (n_run, n_freq, n_out), name="xx"))
+
+    def with_runs(self, runs: Sequence[int], other: "CrossSpectra") -> "CrossSpectra":
+        """Return the spectra with some runs, by their indices, exchanged for those of other spectra."""
+        parts = self.ff.copy(), self.fx.copy(), self.xx.copy()
+        for part, replacement in zip(parts, (other.ff, other.fx, other.xx), strict=True):
+            part[list(runs)] = replacement
+        return CrossSpectra(self.freq, *parts, self.averages)
 
     def at(self, lines: IntArray) -> "CrossSpectra":
         """Return the spectra at some of the lines, (n,) indices."""

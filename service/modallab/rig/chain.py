@@ -218,6 +218,7 @@ def chain(
     *,
     same_in_all_runs: bool = False,
     initial_rms: FloatArray | None = None,
+    only: Sequence[int] | None = None,
 ) -> Chain:
     """Return the measuring chain of a system on a rig.
 
@@ -232,6 +233,8 @@ def chain(
     same_in_all_runs, initial_rms
         Whether nonlinear forces take the same motion in every run, and what they take in a chain very
         much like it, as `with_equivalent_linearisation`.
+    only
+        Indices of the runs that the chain has; None: all of the log book.
 
     Raises
     ------
@@ -248,9 +251,10 @@ def chain(
         noise, source = effect.on_noise(noise), effect.on_source(source)
     active_effects = [(effect, stages) for effect in effects if any(stages := _acts_on_runs(effect))]
     latest: dict[int, _Altered] = {}
+    declared = setup.acquisition_runs if only is None else [setup.acquisition_runs[i] for i in only]
     runs = tuple(
         _run(system, acquisition_run, active_effects, latest)
-        for acquisition_run in _true_runs(setup.acquisition_runs, effects)
+        for acquisition_run in _true_runs(declared, effects)
     )
     if local := [force for effect in effects if (force := effect.on_motion()) is not None]:
         runs = with_equivalent_linearisation(

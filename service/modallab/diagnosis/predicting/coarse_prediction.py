@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.place import Channels
 from modallab.diagnosis.optimisation.fit_parameters import ParameterVector
 from modallab.diagnosis.optimisation.linear_nuisances import LinearNuisances, NuisanceProjection
 from modallab.diagnosis.optimisation.settings import NUISANCE
@@ -15,7 +16,9 @@ from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.diagnosis.residuals.residual import inflation_weights, residual
 from modallab.diagnosis.residuals.white_noise import WhiteNoise
+from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.effect import Effect
+from modallab.rig.setup import RigSetup
 
 if TYPE_CHECKING:
     from modallab.diagnosis.predicting.predictor import Predictor
@@ -102,6 +105,34 @@ class CoarsePrediction:
 
 
 @dataclass(frozen=True, eq=False)
+class CoarseBase:
+    """Coarse spectra of one test with some effects, of which additions in single channels change few runs."""
+
+    effects: tuple[Effect, ...]
+    """The effects."""
+    spectra: CrossSpectra
+    """Their spectra, before free levels are fitted."""
+    noise: WhiteNoise | None
+    """Noise beside them, from which fits of free levels start."""
+
+    def changed_runs(self, effects: Sequence[Effect], setup: RigSetup) -> list[int] | None:
+        """Return the indices of the runs in which effects differ from the base; None: maybe in all.
+
+        A nonlinear force is linearised for all runs from the motion of the first one.
+        """
+        n = len(self.effects)
+        added = [effect.at for effect in effects[n:]]
+        known = tuple(effects[:n]) == self.effects
+        if not known or any(effect.on_motion() is not None for effect in effects):
+            return None
+        points = {point for at in added if isinstance(at, Channels) for point in at.points}
+        if not all(isinstance(at, Channels) for at in added):
+            return None
+        outputs = [{dof.point for dof in run.outputs} for run in setup.acquisition_runs]
+        return [i for i, measured in enumerate(outputs) if measured & points]
+
+
+@dataclass(frozen=True, eq=False)
 class _CorrectedSpectra:
     """Coarse spectra of one test, times the ratio of exact to coarse ones without the addition.
 
@@ -113,12 +144,11 @@ class _CorrectedSpectra:
     h: ComplexArray
     force: FloatArray
     incoherent: FloatArray
-    noise: WhiteNoise | None
-    """Noise without the addition, from which fits of free levels start."""
+    base: CoarseBase
 
     def predict(self, effects: Sequence[Effect]) -> Predicted:
         """Return the expected spectra at every `step`-th line with all these effects."""
-        coarse = self.predictor.coarse(effects, self.noise)
+        coarse = self.predictor.coarse(effects, self.base)
         return Predicted(
             coarse.h * self.h,
             coarse.coherence,
@@ -129,14 +159,14 @@ class _CorrectedSpectra:
 
 def coarse_prediction(predictor: "SingleTestPredictor", base: Sequence[Effect]) -> CoarsePrediction:
     """Return coarse predictions of additions to base effects, exact without an addition."""
-    noise = predictor.coarse_noise(base)
-    exact, coarse = predictor.predict(base), predictor.coarse(base, noise)
+    unmodified = predictor.coarse_base(base)
+    exact, coarse = predictor.predict(base), predictor.coarse(base, unmodified)
     lines = predictor.coarse_places
     spectra = _CorrectedSpectra(
         predictor,
         exact.h[lines] / coarse.h,
         exact.force[lines] / coarse.force,
         exact.incoherent[lines] / coarse.incoherent,
-        noise,
+        unmodified,
     )
     return CoarsePrediction(predictor, base, predictor.observed.at(lines), spectra.predict)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.dof import Dof
 from modallab.diagnosis.optimisation.nuisances import Nuisances
-from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction, coarse_prediction
+from modallab.diagnosis.predicting.coarse_prediction import CoarseBase, CoarsePrediction, coarse_prediction
 from modallab.diagnosis.predicting.model_state import DeviatingModel
 from modallab.diagnosis.predicting.prediction_budget import PredictionBudget, no_heartbeat
 from modallab.diagnosis.predicting.settings import PREDICTION
@@ -169,6 +169,7 @@ class SingleTestPredictor:
         same_in_all_runs: bool = False,
         initial_rms: FloatArray | None = None,
         share: float = 1.0,
+        runs: Sequence[int] | None = None,
     ) -> Chain:
         """Return the measuring chain of the model on the rig of the log book, with additional effects.
 
@@ -180,15 +181,18 @@ class SingleTestPredictor:
             Motion of the nonlinear forces (n_run, r) in an almost equal chain, if it is known.
         share
             Share of the lines that are predicted.
+        runs
+            Indices of the runs that are predicted; None: all.
         """
         self.heartbeat()
-        self.budget.spend(share)
+        self.budget.spend(share if runs is None else share * len(runs) / len(self.setup.acquisition_runs))
         return chain(
             self.model.deviating_system,
             self.setup,
             self._acting(self._in_this_test(effects)),
             same_in_all_runs=same_in_all_runs,
             initial_rms=initial_rms,
+            only=runs,
         )
 
     def _in_this_test(self, effects: Sequence[Effect]) -> Sequence[Effect]:
@@ -275,28 +279,38 @@ class SingleTestPredictor:
         system = self.model.deviating_system.scaled(stiffness=(1 + shift) ** 2)
         return self._expected(chain(system, self.setup, self._acting(self._in_this_test(effects))))
 
-    def coarse(self, effects: Sequence[Effect], noise: WhiteNoise | None = None) -> Predicted:
+    def coarse(self, effects: Sequence[Effect], base: CoarseBase | None = None) -> Predicted:
         """Return the expected spectra at every `step`-th line, leakage on a coarse grid.
 
         Parameters
         ----------
-        noise
-            Of a prediction like this one, from which the fit of free levels starts.
+        base
+            Of a prediction like this one; runs in which effects do not differ from it are its own.
         """
-        return Predicted.of(self._coarse_observed.with_levels(self._coarse_spectra(effects), start=noise))
+        start = None if base is None else base.noise
+        return Predicted.of(
+            self._coarse_observed.with_levels(self._coarse_spectra(effects, base), start=start)
+        )
 
-    def coarse_noise(self, effects: Sequence[Effect]) -> WhiteNoise | None:
-        """Return the noise of a coarse prediction; None if none is open."""
-        return self._coarse_observed.white_noise(self._coarse_spectra(effects))
+    def coarse_base(self, effects: Sequence[Effect]) -> CoarseBase:
+        """Return the coarse spectra of some effects, for predictions of additions to them."""
+        spectra = self._coarse_spectra(effects)
+        return CoarseBase(tuple(effects), spectra, self._coarse_observed.white_noise(spectra))
 
     @cached_property
     def _coarse_observed(self) -> Observed:
         return self.observed if self.planned else self.observed.at(self.coarse_places)
 
-    def _coarse_spectra(self, effects: Sequence[Effect]) -> CrossSpectra:
+    def _coarse_spectra(self, effects: Sequence[Effect], base: CoarseBase | None = None) -> CrossSpectra:
+        runs = None
+        if base is not None and self.first_setup is None:
+            runs = base.changed_runs(effects, self.setup)
+            if runs == []:
+                return base.spectra
         share = len(self.coarse_lines) / len(self.lines)
-        coarse_chain = self.chain(effects, same_in_all_runs=True, share=share)
-        return coarse_spectra(coarse_chain, self.step, self.coarse_lines)
+        coarse_chain = self.chain(effects, same_in_all_runs=True, share=share, runs=runs)
+        spectra = coarse_spectra(coarse_chain, self.step, self.coarse_lines)
+        return spectra if base is None or runs is None else base.spectra.with_runs(runs, spectra)
 
     def coarse_prediction(self, effects: Sequence[Effect]) -> CoarsePrediction:
         """Return coarse predictions of additions to some effects."""

@@ -1,0 +1,65 @@
+"""Coarse predictions of additions to some effects."""
+
+import numpy as np
+import pytest
+
+from modallab.core.dof import Dof
+from modallab.core.place import Channels
+from modallab.diagnosis.predicting.coarse_prediction import CoarseBase
+from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.effects.cubic_stiffness import CubicStiffness
+from modallab.effects.extra_mass import ExtraMass
+from modallab.effects.gain_error import GainError
+from modallab.effects.mains_hum import MainsHum
+from modallab.effects.misplaced_accelerometer import MisplacedAccelerometer
+from modallab.effects.mounted_resonance import MountedResonance
+from modallab.effects.swapped_channels import SwappedChannels
+from modallab.rig.effect import Effect
+from tests.diagnosing import draw_measurement, predicting, rig
+
+MASS = ExtraMass(Dof(4, "Y"), 0.05)
+FOURTH, FIFTH = Dof(4, "Y"), Dof(5, "Y")  # nodes of the third and the fourth run
+
+
+@pytest.fixture(scope="module")
+def predictor() -> Predictor:
+    return predicting(draw_measurement(rig(), [MASS]))[0]
+
+
+@pytest.mark.parametrize(
+    ("added", "runs"),
+    [
+        (GainError(Channels((FOURTH,)), 1.1), [2]),
+        (MountedResonance(Channels((FIFTH,)), 900.0, 0.05), [3]),
+        (MisplacedAccelerometer(Channels((FOURTH,)), 0.05), [2]),
+        (SwappedChannels(Channels((FOURTH, FIFTH))), [2, 3]),
+        (MainsHum(Channels((FIFTH,)), 0.05), [3]),
+        (GainError(Channels((Dof(3, "Y"),)), 1.1), []),
+        (GainError(None, 1.1), None),
+        (ExtraMass(FOURTH, 0.05), None),
+        (CubicStiffness(FOURTH, 1e8), None),
+    ],
+    ids=lambda value: value.kind if isinstance(value, Effect) else str(value),
+)
+def test_an_effect_of_one_channel_is_predicted_by_its_own_run(
+    added: Effect, runs: list[int] | None, predictor: Predictor
+) -> None:
+    """As if all runs were predicted, but for the rounding of products of other sizes."""
+    (test,) = predictor.tests
+    base = test.coarse_base([MASS])
+    assert base.changed_runs([MASS, added], test.setup) == runs
+    alone, all_runs = test.coarse([MASS, added], base), test.coarse([MASS, added])
+    np.testing.assert_allclose(alone.h, all_runs.h, rtol=1e-9)
+    np.testing.assert_allclose(
+        alone.incoherent, all_runs.incoherent, rtol=1e-6, atol=1e-9 * np.max(alone.force)
+    )
+
+
+def test_only_what_is_added_to_the_base_may_be_left_out(predictor: Predictor) -> None:
+    (test,) = predictor.tests
+    base = test.coarse_base([MASS])
+    gain = GainError(Channels((FOURTH,)), 1.1)
+    assert base.changed_runs([gain], test.setup) is None
+    assert base.changed_runs([MASS.with_parameters({"mass": 0.06}), gain], test.setup) is None
+    nonlinear = CoarseBase((CubicStiffness(FOURTH, 1e8),), base.spectra, base.noise)
+    assert nonlinear.changed_runs([*nonlinear.effects, gain], test.setup) is None
