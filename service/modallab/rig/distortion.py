@@ -10,6 +10,7 @@ from modallab.core.errors import InvalidInputError
 from modallab.fe.attachment import Attachment
 from modallab.fe.receptance import attached_variants
 from modallab.rig.analyser import Analyser
+from modallab.rig.cell_averages import CellAverages, mean_about
 from modallab.rig.drive import reaction, transmission
 from modallab.rig.equivalent_linearisation import (
     LocalResponseSpectrum,
@@ -231,7 +232,10 @@ def residual_spectra(
             power, feedback = residual_spectrum(
                 local, motion.spectrum[:, i], motion.receptance[:, i], lines[1]
             )
-            density[r, :, i], line[r, :, i] = np.interp(freq, lines, power), np.interp(freq, lines, feedback)
+            density[r, :, i] = mean_about(freq, lines, power)
+            line[r, :, i] = mean_about(freq, lines, feedback.real) + 1j * mean_about(
+                freq, lines, feedback.imag
+            )
     unit = np.where([force.of_velocity for force in forces], 2j * np.pi * freq[:, None], 1.0)
     return ResidualSpectra(np.broadcast_to(density, shape_of_all), np.broadcast_to(line * unit, shape_of_all))
 
@@ -247,10 +251,24 @@ def _spectra_on_uniform_grid(
     narrow = widths[frequencies < analyser.frequency_max].min(initial=analyser.spacing)
     finer = int(np.clip(np.ceil(analyser.spacing / max(narrow, DISTORTION.min_width)), 1, finest))
     lines = np.linspace(0.0, analyser.frequency_max, finer * (analyser.n_lines - 1) + 1)
-    parts = np.array_split(2 * np.pi * lines[1:], np.ceil(len(lines) / DISTORTION.frequency_block))
+    spectra = _local_spectra_of_runs(runs, forces, lines[1:], analyser)
+    averages = CellAverages.near(lines[1], len(lines), frequencies.ravel(), widths.ravel())
+    if len(averages.points):
+        at_nodes = _local_spectra_of_runs(runs, forces, averages.nodes, analyser)
+        spectra = [
+            sampled.averaged(averages, of_run) for sampled, of_run in zip(spectra, at_nodes, strict=True)
+        ]
+    return lines, spectra
+
+
+def _local_spectra_of_runs(
+    runs: Sequence[Run], forces: Sequence[LocalForce], freq: FloatArray, analyser: Analyser
+) -> list[LocalResponseSpectrum]:
+    """Return the motion spectra at the forces of each run, at 0 Hz and at `freq` (n,) Hz."""
+    parts = np.array_split(2 * np.pi * freq, np.ceil(len(freq) / DISTORTION.frequency_block))
     driven, fed_back = zip(*(local_receptances(runs, forces, omega) for omega in parts), strict=True)
     receptances = np.concatenate(driven, axis=1), np.concatenate(fed_back, axis=1)
-    return lines, _local_spectra(forces, *receptances, 2 * np.pi * lines[1:], analyser)
+    return _local_spectra(forces, *receptances, 2 * np.pi * freq, analyser)
 
 
 def _power_of_lines(analyser: Analyser, lines: FloatArray) -> FloatArray:

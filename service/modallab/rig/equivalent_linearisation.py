@@ -7,6 +7,7 @@ import numpy as np
 import scipy.fft
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
+from modallab.rig.cell_averages import CellAverages
 from modallab.rig.local_force import LinearisedForce, LocalForce
 from modallab.rig.nonlinear_settings import LINEARISATION
 
@@ -230,6 +231,19 @@ class LocalResponseSpectrum:
     receptance: (
         ComplexArray  # (n_lines, r) of the same per force on the structure, with equivalent linearisation
     )
+
+    def averaged(self, averages: CellAverages, at_nodes: "LocalResponseSpectrum") -> "LocalResponseSpectrum":
+        """Return the same with averages over cells in place of samples.
+
+        Parameters
+        ----------
+        at_nodes
+            The motion at 0 Hz and at the nodes of the averages.
+        """
+        spectrum, receptance = self.spectrum.copy(), self.receptance.copy()
+        spectrum[averages.points] = averages.weights @ at_nodes.spectrum[1:]
+        receptance[averages.points] = averages.weights @ at_nodes.receptance[1:]
+        return LocalResponseSpectrum(spectrum, receptance)
 
 
 def residual_spectrum(

@@ -151,13 +151,26 @@ def refined_panels(
     """
     flat, half = poles.ravel(), np.maximum(widths.ravel(), QUADRATURE.min_half_width * analyser.spacing)
     inside = (flat > -analyser.spacing) & (flat < analyser.frequency_max + analyser.spacing)
-    flat, half = flat[inside], half[inside]
-    lower, upper = analyser.freq[:-1], analyser.freq[1:]
-    panels_done: list[FloatArray] = []
+    return panels_near_poles(analyser.freq[:-1], analyser.freq[1:], flat[inside], half[inside], points)
+
+
+def panels_near_poles(
+    lower: FloatArray, upper: FloatArray, poles: FloatArray, half_widths: FloatArray, points: int
+) -> tuple[FloatArray, FloatArray]:
+    """Return Gauss nodes and weights, (n_nodes,) Hz, of panels that are halved towards poles.
+
+    Parameters
+    ----------
+    lower, upper
+        (n,) Hz, ends of the panels before they are halved.
+    poles, half_widths
+        (n_poles,) Hz.
+    """
+    panels_done = [np.zeros((2, 0))]
     while len(lower):
         centre, radius = (lower + upper) / 2, (upper - lower) / 2
-        distance = np.maximum(np.abs(centre[:, None] - flat) - radius[:, None], 0.0)
-        near = np.sqrt(distance**2 + half**2).min(axis=1, initial=np.inf)
+        distance = np.maximum(np.abs(centre[:, None] - poles) - radius[:, None], 0.0)
+        near = np.sqrt(distance**2 + half_widths**2).min(axis=1, initial=np.inf)
         is_fine = radius <= near
         panels_done.append(np.stack([lower[is_fine], upper[is_fine]]))
         lower, centre, upper = lower[~is_fine], centre[~is_fine], upper[~is_fine]

@@ -39,6 +39,18 @@ class DistortionSettings(Settings):
         doc="grid points of a line where a spectrum is steep",
         tuned="test_distortion.py and test_expected.py pass from an eighth to four times the value",
     )
+    resolved_half_width: float = setting(
+        3.0,
+        unit="cells",
+        doc="half bandwidth from which samples of the grid resolve a resonance",
+        derived="the sum of samples of a Lorentz curve errs by 2 exp(-2 pi half bandwidth / cell), 1e-8",
+    )
+    averaged_cells: int = setting(
+        16,
+        unit="cells",
+        doc="cells to either side of a narrow resonance in which spectra are averaged",
+        derived="beyond, samples and averages differ by 1/(2 n^2), 0.2 %, of the flanks",
+    )
     min_width: float = setting(
         1e-9,
         unit="Hz",
