@@ -23,6 +23,7 @@ from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.diagnosis.residuals.residual import Residual, error_ratio, residual
 from modallab.rig.effect import Effect
+from modallab.rig.spectrum_settings import SIMULATED_VARIANCE
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +96,8 @@ def fit(
 ) -> Fit:
     """Return the effects with all their parameters fitted together, from starts near the solution.
 
-    Bounded least squares on logarithmic ratios.
+    Bounded least squares on logarithmic ratios. Random errors of distortion in bursts are those of the
+    start: where an effect near the data ends far from it, they are renewed and it is fitted once more.
 
     Parameters
     ----------
@@ -104,6 +106,27 @@ def fit(
     near
         Fit of the same data whose derivatives by nuisance parameters the first steps take.
     """
+    found = _fit(predictor, effects, fixed, near)
+    bursts = any(effect.intermittent for effect in effects)
+    if bursts and found.chi_square < FIT.near_noise * found.n_data and _differ(effects, found.effects):
+        return _fit(predictor, found.effects, fixed, near)
+    return found
+
+
+def _differ(start: Sequence[Effect], final: Sequence[Effect]) -> bool:
+    """Return whether effects in bursts have other parameters, far enough for other random errors."""
+    pairs = [
+        (value, one.parameters[name])
+        for one, other in zip(start, final, strict=True)
+        if one.intermittent
+        for name, value in other.parameters.items()
+    ]
+    ratio = 2 ** (1 / SIMULATED_VARIANCE.values_per_octave)
+    return any(not low / ratio < high < low * ratio for low, high in pairs)
+
+
+def _fit(predictor: Predictor, effects: Sequence[Effect], fixed: Sequence[Effect], near: Fit | None) -> Fit:
+    """Return `fit` with the random errors of the start."""
     plain, predictor = predictor, predictor.with_intermittent_errors([*fixed, *effects])
     known = None if near is None or predictor.observed is not plain.observed else near.nuisance_derivatives
     task = _FitTask(predictor, fixed, ParameterVector(effects), known)

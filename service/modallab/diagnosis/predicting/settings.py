@@ -17,6 +17,12 @@ class PredictionSettings(Settings):
         derived="a likelihood ratio of 1 in 20,000",
     )
     coarse_lines: int = setting(130, unit="lines", doc="lines of a coarse prediction, at least", tuned=TESTS)
+    nonlinear_cost: int = setting(
+        10,
+        unit="predictions",
+        doc="predictions that take as long as one with a nonlinear force under a continuous spectrum",
+        tuned="CPU time of simulated tests",
+    )
     stepping_cost: int = setting(
         30,
         unit="predictions",

@@ -185,8 +185,7 @@ class SingleTestPredictor:
             Indices of the runs that are predicted; None: all.
         """
         self.heartbeat()
-        self.budget.spend(share if runs is None else share * len(runs) / len(self.setup.acquisition_runs))
-        return chain(
+        measuring_chain = chain(
             self.model.deviating_system,
             self.setup,
             self._acting(self._in_this_test(effects)),
@@ -194,6 +193,10 @@ class SingleTestPredictor:
             initial_rms=initial_rms,
             only=runs,
         )
+        nonlinear = measuring_chain.runs[0].local_forces and measuring_chain.source.continuous > 0
+        share *= len(measuring_chain.runs) / len(self.setup.acquisition_runs)
+        self.budget.spend(share * PREDICTION.nonlinear_cost if nonlinear else share)
+        return measuring_chain
 
     def _in_this_test(self, effects: Sequence[Effect]) -> Sequence[Effect]:
         return (
