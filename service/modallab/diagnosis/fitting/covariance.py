@@ -10,7 +10,6 @@ from modallab.core.arrays import BoolArray, FloatArray
 from modallab.core.numerics import PRODUCT_ROUNDING, SAFE_SQUARED_DIVISOR
 from modallab.diagnosis.fitting.settings import COVARIANCE
 from modallab.diagnosis.optimisation.fit_parameters import ParameterVector
-from modallab.diagnosis.optimisation.settings import NUISANCE
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.line_correlation import LineCorrelation
 from modallab.diagnosis.residuals.observed import Observed
@@ -75,7 +74,7 @@ def standard_errors(
     slopes, n_fitted = _derivatives(predictor, fixed, parameters)
     values = zip(parameters.parameters, parameters.values(), strict=True)
     distances = [parameter.distance_to_bound(value) for parameter, value in values]
-    room = np.array([*distances, *(NUISANCE.max_deviation - np.abs(predictor.position))])
+    room = np.array([*distances, *(nuisances.limits - np.abs(predictor.position))])
     simulated = predictor.simulate_variance([*fixed, *effects])
     weighting, correlation = _weighting(observed, fitted_residual, simulated)
     fitted = np.concatenate([np.arange(n), n + free])

@@ -18,7 +18,6 @@ from modallab.diagnosis.fitting.held_out_nuisances import fit_held_out_nuisances
 from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.optimisation.fit_parameters import ParameterVector
 from modallab.diagnosis.optimisation.least_squares import BoundedGaussNewton
-from modallab.diagnosis.optimisation.settings import NUISANCE
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.diagnosis.residuals.residual import Residual, error_ratio, residual
@@ -167,13 +166,13 @@ def _fit(predictor: Predictor, effects: Sequence[Effect], fixed: Sequence[Effect
 
 def _minimised(task: "_FitTask") -> tuple[FloatArray, FloatArray]:
     """Return the position of the minimum, and the derivatives of the data's residuals there."""
-    parameters, free = task.parameters, np.ones(len(task.free))
+    parameters, limits = task.parameters, task.predictor.nuisances.limits[task.free]
     start = np.concatenate([parameters.start, task.predictor.position[task.free]])
     if not len(start):
         task.vector(start)
         return start, np.zeros((1, 0))
-    low = np.concatenate([parameters.low, -NUISANCE.max_deviation * free])
-    high = np.concatenate([parameters.high, NUISANCE.max_deviation * free])
+    low = np.concatenate([parameters.low, -limits])
+    high = np.concatenate([parameters.high, limits])
     minimum = BoundedGaussNewton(task.vector, task.derivatives, start, (low, high))
     tolerated = len(task.free) * FIT.nuisance_tolerance
     minimum.minimise(

@@ -7,7 +7,6 @@ import scipy
 
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.numerics import COMPARISON_ROUNDING
-from modallab.diagnosis.optimisation.settings import NUISANCE
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.diagnosis.residuals.residual import Residual, residual
@@ -42,10 +41,8 @@ def fit_held_out_nuisances(
     prior = np.sqrt(observed.correlation_length) * np.eye(len(indices))
     rows = np.vstack([derivatives, prior])
     target = -np.concatenate([fitted_residual.vector(mask), prior @ position[indices]])
-    limit = NUISANCE.max_deviation
-    bounds = (
-        -limit - COMPARISON_ROUNDING - position[indices],
-        limit + COMPARISON_ROUNDING - position[indices],
-    )
+    limits = predictor.nuisances.limits
+    reach = limits[indices] + COMPARISON_ROUNDING
+    bounds = -reach - position[indices], reach - position[indices]
     position[indices] += scipy.optimize.lsq_linear(rows, target, bounds, method="bvls").x
-    return position.clip(-limit, limit)
+    return position.clip(-limits, limits)

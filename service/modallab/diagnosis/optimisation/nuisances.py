@@ -2,8 +2,10 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
+from scipy.stats import norm
 
 from modallab.core.arrays import BoolArray, FloatArray, IntArray
 from modallab.core.dof import Dof
@@ -82,7 +84,7 @@ class Nuisances:
     """All nuisance parameters of a test, and their effects on it.
 
     A position (n,) counts standard deviations from what model and log book declare. Fits hold it by a
-    prior, one residual per parameter, and within `NUISANCE.max_deviation`: a few prior residuals cannot
+    prior, one residual per parameter, and within `limits`: a few prior residuals cannot
     hold against 20,000 of data. An effect of the same kind and place remains a suspect. Beside it the prior
     draws the tolerance back to the declared value, so that the effect is the whole deviation and its
     standard error holds the tolerance; without it the tolerance ends on its limit and a gap remains.
@@ -98,6 +100,20 @@ class Nuisances:
 
     def __len__(self) -> int:
         return len(self.parameters)
+
+    @cached_property
+    def limits(self) -> FloatArray:
+        """(n,) largest deviations, in standard deviations.
+
+        Of many modes or shapes the largest of all is as likely to pass its limit as a single parameter is:
+        Sidak, Journal of the American Statistical Association 62 (1967), 626.
+        """
+        limits = np.full(len(self.parameters), NUISANCE.max_deviation)
+        inside = 1 - 2 * norm.sf(NUISANCE.max_deviation)
+        for name in {each.name for each in self.parameters if each.mode or each.shape is not None}:
+            alike = self.indices_of(name)
+            limits[alike] = norm.isf((1 - inside ** (1 / len(alike))) / 2)
+        return limits
 
     @property
     def damping_free(self) -> bool:

@@ -100,7 +100,7 @@ class NuisanceSettings(Settings):
     max_deviation: float = setting(
         3.0,
         unit="standard deviations",
-        doc="largest deviation of a nuisance parameter",
+        doc="largest deviation of a nuisance parameter; of many alike the largest of all is as likely",
         derived="3 sigma: one of 370 by chance; a prior alone cannot hold against 20,000 data",
     )
     difference_step: float = setting(

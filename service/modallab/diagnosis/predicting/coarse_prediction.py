@@ -73,7 +73,7 @@ class CoarsePrediction:
             perturbed = parameters.perturbed(parameters.start)
             columns = [(self._vector(self.predict(effects)) - base) / step for effects, step in perturbed]
             blocks.insert(0, np.array(columns).T)
-        reach, limit = NUISANCE.parameter_range, np.full(len(position), NUISANCE.max_deviation)
+        reach, limit = NUISANCE.parameter_range, self.predictor.nuisances.limits
         start = parameters.start
         low, high = np.clip([parameters.low - start, parameters.high - start], -reach, reach)
         return LinearNuisances(

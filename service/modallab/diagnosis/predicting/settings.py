@@ -16,6 +16,15 @@ class PredictionSettings(Settings):
         doc="decrease of the Cauchy loss of the FRFs from which they contradict noise of the force",
         derived="a likelihood ratio of 1 in 20,000",
     )
+    force_noise_scatter: float = setting(
+        3.0,
+        unit="standard deviations",
+        doc="the same over its scatter between blocks of lines",
+        derived="3 sigma",
+    )
+    force_noise_block: int = setting(
+        8, unit="lines", doc="lines of a block, about a resonance", derived="a resonance is a few lines wide"
+    )
     coarse_lines: int = setting(130, unit="lines", doc="lines of a coarse prediction, at least", tuned=TESTS)
     nonlinear_cost: int = setting(
         10,

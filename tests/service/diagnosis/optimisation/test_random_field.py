@@ -13,7 +13,7 @@ from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.fitting.fit import fit
 from modallab.diagnosis.optimisation.nuisances import nuisance_parameters
 from modallab.diagnosis.optimisation.random_field import RandomField
-from modallab.diagnosis.optimisation.settings import NUISANCE, RANDOM_FIELD
+from modallab.diagnosis.optimisation.settings import RANDOM_FIELD
 from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import observe
@@ -154,7 +154,7 @@ def test_a_deviation_on_its_bound_does_not_excuse_held_out_data() -> None:
     predictor = SingleTestPredictor.of(model(), test.setup, observe(test, (), fraction=0.25))
     predictor = predictor.with_nuisances(nuisance_parameters(narrow, predictor.system, predictor.setup))
     bounded = fit(predictor, ())
-    on_bounds = np.abs(bounded.nuisance_position) > NUISANCE.max_deviation - 1e-9  # rounding of a bound
+    on_bounds = np.abs(bounded.nuisance_position) > predictor.nuisances.limits - 1e-9  # rounding of a bound
     assert on_bounds.mean() > 0.5
     # below noise: those few parameters that are off their bounds have errors of at most 0.02 %
     assert bounded.prediction_variance["frf"] < 1

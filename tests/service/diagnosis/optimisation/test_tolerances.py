@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.stats import norm
 
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
@@ -121,10 +122,21 @@ def test_an_effect_that_changes_what_a_tolerance_does_is_fitted_with_it_from_any
 def test_limits_hold_against_any_amount_of_data() -> None:
     predictor, numbers = allowing(rig(), np.zeros(40), (StiffnessError(factor=1.05),))
     found = fit(predictor, ())
-    assert np.abs(found.nuisance_position).max() == NUISANCE.max_deviation
+    limits = predictor.nuisances.limits
+    assert (np.abs(found.nuisance_position) <= limits).all()
     assert not is_noise_only(predictor, found)
     assert numbers.parameters[0].name == "modulus"
-    assert found.nuisance_position[0] == NUISANCE.max_deviation
+    assert found.nuisance_position[0] == limits[0] == NUISANCE.max_deviation
+
+
+def test_of_many_parameters_alike_the_largest_passes_its_limit_as_rarely_as_a_single_one() -> None:
+    _, numbers = allowing(rig(), np.zeros(40), ())
+    number = sum(each.mode is not None for each in numbers.parameters)
+    assert number > 3
+    draws = np.abs(np.random.default_rng(3).standard_normal((200_000, number)))
+    passes = (draws.max(axis=1) > numbers.limits[-1]).mean()
+    wanted = 2 * norm.sf(NUISANCE.max_deviation)
+    assert abs(passes - wanted) < 4 * np.sqrt(wanted / 200_000)  # four standard errors of a count
 
 
 def test_an_effect_like_what_is_tolerated_is_the_whole_departure_and_carries_the_tolerance() -> None:

@@ -7,10 +7,12 @@ import pytest
 
 from modallab.core.dof import Dof
 from modallab.diagnosis.diagnose import diagnose
+from modallab.diagnosis.optimisation.tolerance_effects import MemberTolerance
 from modallab.diagnosis.predicting.supported_levels import with_supported_force_noise
 from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.result import Verdict
 from modallab.effects.extra_mass import ExtraMass
+from modallab.effects.loss_factor_error import LossFactorError
 from modallab.rig.effect import Effect
 from modallab.rig.hardware import Noise
 from modallab.rig.measurement import Measurement
@@ -52,6 +54,15 @@ def test_frfs_tell_noise_of_the_force_from_other_noise(hidden: list[Effect]) -> 
         found = with_supported_force_noise(model(), test.setup, observed)
         assert found.free_levels.force_noise is kept
         assert found.free_levels.response_noise
+
+
+def test_a_model_that_is_a_little_wrong_does_not_contradict_noise_of_the_force() -> None:
+    """At its resonances the loss rises and falls by more than the noise changes it."""
+    variation = np.random.default_rng(0).normal(1.0, 0.02, len(model().members))
+    wrong = [MemberTolerance(stiffness=tuple(variation.tolist())), LossFactorError(None, 0.7)]
+    test = undeclared(wrong, force_noise=1e-3)
+    found = with_supported_force_noise(model(), test.setup, observe(test, (), fraction=0.0))
+    assert found.free_levels.force_noise
 
 
 def test_noise_of_the_responses_alone_is_no_missing_effect() -> None:
