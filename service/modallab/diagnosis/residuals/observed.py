@@ -11,6 +11,7 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfKind
 from modallab.diagnosis.residuals.channel_spectra import ChannelSpectra
+from modallab.diagnosis.residuals.comparable_lines import comparable_lines
 from modallab.diagnosis.residuals.decorrelation import Decorrelation
 from modallab.diagnosis.residuals.free_levels import ALL_DECLARED, FreeLevels
 from modallab.diagnosis.residuals.frf_selection import FrfSelection
@@ -33,8 +34,6 @@ from modallab.estimation.line_scatter import Estimate
 from modallab.estimation.settings import FORCE_NOISE
 from modallab.estimation.spectra import CrossSpectra
 from modallab.estimation.windows import WINDOWS
-from modallab.rig.analyser import Analyser
-from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.frf_channel import FrfChannel, force_numbers, stands_for_response
 from modallab.rig.measurement import Measurement
 
@@ -242,7 +241,8 @@ def observe(measurement: Measurement, held_out: Sequence[FrfSelection], *, fract
     incoherent, incoherent_variance = incoherent_spectrum(spectra, variance_floor)
     force, force_variance = force_spectrum(spectra, variance_floor)
     channels, lines = _held_out(spectra, held_out, fraction)
-    usable = (g2 > FORCE_NOISE.min_coherence) & _driven(analyser, spectra.freq)[:, None] & (np.abs(h) > 0)
+    compared = comparable_lines(analyser, spectra.freq, mean_kept=measurement.route is not None)
+    usable = (g2 > FORCE_NOISE.min_coherence) & compared[:, None] & (np.abs(h) > 0)
     free_levels = FreeLevels.of(measurement.setup)
     shape_variances: FloatArray | None = None
     if free_levels.shape and force is not None:
@@ -295,18 +295,6 @@ def _response_once(spectra: ChannelSpectra) -> BoolArray | None:
     if spectra.n_simultaneous == 1:
         return None
     return np.repeat(stands_for_response(spectra.channels)[None], len(spectra.freq), axis=0)
-
-
-def _driven(analyser: Analyser, freq: FloatArray) -> BoolArray:
-    """Return the lines (n_freq,) above 0 Hz that the source drives, in full with the window's neighbours."""
-    if analyser.excitation.band is None:
-        return np.asarray(freq > 0)
-    first, last = (line * analyser.spacing for line in analyser.driven_lines)
-    mixed = RANDOM_ERROR.window_reach * analyser.spacing
-    margin = mixed if EXCITATIONS[analyser.excitation.kind].continuous > 0 else 0.0
-    tolerance = RANDOM_ERROR.line_tolerance * analyser.spacing
-    low, high = first + margin - tolerance, last - margin + tolerance
-    return np.asarray((freq > 0) & (freq >= low) & (freq <= high))
 
 
 def _held_out(

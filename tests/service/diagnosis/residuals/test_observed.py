@@ -8,6 +8,7 @@ from modallab.core.frf import FrfKind
 from modallab.diagnosis.predicting.comparability import check_comparable
 from modallab.diagnosis.residuals.frf_selection import FrfSelection
 from modallab.diagnosis.residuals.observed import observe
+from modallab.estimation.windows import WINDOWS
 from modallab.rig.measure import Route, measure
 from tests.diagnosing import draw_measurement, exact, model, predicting, rig
 
@@ -128,3 +129,22 @@ def test_receptance_with_a_line_at_rest_is_weighed_above_it() -> None:
     gaps = predictor.residual(()).gaps(observed.usable)
     without, same = predicting(receptance)
     assert gaps == pytest.approx(without.residual(()).gaps(same.usable), rel=1e-9)  # rounding
+
+
+@pytest.mark.parametrize("window", ["rectangular", "hann", "flat_top"])
+def test_lines_that_lose_power_with_the_mean_of_records_are_not_compared_of_an_uploaded_test(
+    window: str,
+) -> None:
+    test = draw_measurement(rig(kind="random", window=window, noise=1e-8))
+    uploaded = observe(replace(test, route=None), (), fraction=0.0).usable[:, 0]
+    own = observe(test, (), fraction=0.0).usable[:, 0]
+    records = np.random.default_rng(2).standard_normal((4000, 256))
+    shape = WINDOWS[window].samples(256)
+    with_mean, without = (
+        (np.abs(np.fft.rfft(shape * each, axis=1)) ** 2).mean(axis=0)[:12]
+        for each in (records, records - records.mean(axis=1, keepdims=True))
+    )
+    # Lines beyond the window's reach change by rounding alone, those within it by a tenth and more.
+    changed = np.abs(without / with_mean - 1) > 1e-6
+    np.testing.assert_array_equal(uploaded[:12], own[:12] & ~changed)
+    np.testing.assert_array_equal(uploaded[12:], own[12:])
