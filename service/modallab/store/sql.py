@@ -20,6 +20,7 @@ from modallab.store.codec import CODECS, Codec
 from modallab.store.npz import pack, unpack
 from modallab.store.plain import from_plain, to_plain
 from modallab.store.tables import LINKS, THINGS, TRUTHS
+from modallab.store.trials import SqlTrials
 from modallab.store.viewer import EVERYONE, Viewer, manageable, readable
 from modallab.store.weights import weight_of
 
@@ -230,6 +231,7 @@ class SqlStore:
         self.studies = self._shelf("study")
         self.diagnoses = self._shelf("diagnosis")
         self.truths = SqlTruths(connect)
+        self.trials = SqlTrials(connect)
 
     def _shelf(self, kind: str) -> SqlShelf[Any]:
         return SqlShelf(kind, CODECS[kind], self._connect, self._files, self._viewer)

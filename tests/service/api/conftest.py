@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import ExitStack
+from dataclasses import replace
 from typing import Any
 
 import httpx
@@ -11,6 +12,7 @@ from fastapi import FastAPI
 
 from modallab.api.app import create_app, job_book
 from modallab.api.settings import ServiceSettings
+from modallab.jobs import sealing
 from modallab.jobs.inline import InlineRunner
 
 
@@ -50,6 +52,14 @@ class Service:
         job = self.get(f"/v1/jobs/{self.post(path, body, status=202)['id']}")
         assert job["state"] == "succeeded", job
         return str(job["result_id"])
+
+
+@pytest.fixture(scope="module")
+def unpadded() -> Iterator[None]:
+    """Measurements of assignments that end when they are done."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sealing, "SEALING", replace(sealing.SEALING, step=0.0))
+        yield
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,115 @@
+"""Measurements of assignments: nothing about the job tells what is hidden."""
+
+import math
+import time
+from dataclasses import dataclass, replace
+
+from modallab.assignments.assignment import AssignmentError
+from modallab.core.errors import CancelledError, InvalidInputError, ModalLabError
+from modallab.core.place import EffectSpec
+from modallab.core.progress import Progress
+from modallab.core.settings import Settings, setting
+from modallab.fe.structure import Structure
+from modallab.jobs.destination import Destination
+from modallab.jobs.durations import duration_of_stepped_measurement
+from modallab.jobs.measuring import MeasurementOptions, measured
+from modallab.rig.effect import build
+from modallab.rig.measurement import Measurement
+from modallab.rig.setup import RigSetup
+from modallab.store.base import Store, Trial, Truth
+
+
+@dataclass(frozen=True)
+class SealingSettings(Settings):
+    """Times of measurements of assignments."""
+
+    step: float = setting(
+        5.0,
+        unit="s",
+        doc="step to which their durations are rounded up",
+        derived="well above the differences between effects of a linear test, 0.1 s",
+    )
+    look: float = setting(
+        0.5, unit="s", doc="time until a job that waits sees that it was cancelled", derived="as other jobs"
+    )
+
+
+SEALING = SealingSettings()
+
+
+@dataclass(frozen=True)
+class SealedInputs:
+    """What a measurement of an assignment is made from."""
+
+    structure_id: str
+    rig_id: str
+    assignment_id: str
+    student: str
+    """Id of the student's key."""
+    number: int
+    """Number of the student's measurement."""
+    instructor: str
+    """Id of the instructor's key, whose the truth is."""
+
+
+def measure_sealed_and_store(
+    store: Store, progress: Progress, into: Destination, inputs: SealedInputs, options: MeasurementOptions
+) -> None:
+    """Run the virtual test of an assignment; store the measurement without seed, and the instructor's truth.
+
+    Progress, errors and duration are the same whatever is hidden. The measurement is stored at the end, for
+    its entry tells when that was.
+    """
+    if store.measurements.holds(into.id):
+        return  # done by an attempt that died later
+    began = time.monotonic()
+    structure, setup = store.structures.get(inputs.structure_id), store.rigs.get(inputs.rig_id)
+    truth = Truth(inputs.structure_id, possible_effects(options.effects, structure, setup))
+    least = duration_of_stepped_measurement(setup, options.route).seconds
+
+    def mute(_fraction: float, _message: str) -> None:
+        progress(0.0, "measuring")
+
+    measurement: Measurement | None = None
+    try:
+        made = measured(store, mute, truth, setup, options.route, options.seed)
+        measurement = replace(made, seed=None)
+    except CancelledError:
+        raise
+    except ModalLabError:  # told below, at the time at which a good one ends
+        pass
+    _wait(began, least, progress)
+    if measurement is None:
+        raise AssignmentError(
+            "the test cannot be carried out as chosen; choose another, or ask the instructor"
+        )
+    trial = Trial(inputs.assignment_id, inputs.student, inputs.number)
+    with store.together() as batch:
+        batch.measurements.add(measurement, owner=into.owner, inputs={"rig_id": inputs.rig_id}, id=into.id)
+        batch.truths.add(truth, measurement_id=into.id, owner=inputs.instructor)
+        batch.trials.fulfil(trial, into.id)
+
+
+def possible_effects(
+    effects: tuple[EffectSpec, ...], structure: Structure, setup: RigSetup
+) -> tuple[EffectSpec, ...]:
+    """Return the effects whose places exist in a test: those of others have no influence on it."""
+    return tuple(spec for spec in effects if _is_possible(spec, structure, setup))
+
+
+def _is_possible(spec: EffectSpec, structure: Structure, setup: RigSetup) -> bool:
+    try:
+        build(spec).check(structure, setup)
+    except InvalidInputError:
+        return False
+    return True
+
+
+def _wait(began: float, least: float, progress: Progress) -> None:
+    """Wait until the next step after the work, and at least as long as a nonlinear test may take."""
+    if SEALING.step == 0:
+        return
+    steps = math.ceil(max(time.monotonic() - began, least) / SEALING.step)
+    while (rest := began + steps * SEALING.step - time.monotonic()) > 0:
+        progress(0.0, "measuring")
+        time.sleep(min(rest, SEALING.look))
