@@ -29,6 +29,18 @@ class SealingSettings(Settings):
         doc="step to which their durations are rounded up",
         derived="well above the differences between effects of a linear test, 0.1 s",
     )
+    solution: float = setting(
+        1.0,
+        unit="s",
+        doc="time of a nonlinear test before its first record",
+        derived="measured on one core: 0.7 s",
+    )
+    spare: float = setting(
+        2.0,
+        unit="1",
+        doc="ratio of the shortest duration to the estimate",
+        derived="other jobs on the same core",
+    )
     look: float = setting(
         0.5, unit="s", doc="time until a job that waits sees that it was cancelled", derived="as other jobs"
     )
@@ -65,7 +77,7 @@ def measure_sealed_and_store(
     began = time.monotonic()
     structure, setup = store.structures.get(inputs.structure_id), store.rigs.get(inputs.rig_id)
     truth = Truth(inputs.structure_id, possible_effects(options.effects, structure, setup))
-    least = duration_of_stepped_measurement(setup, options.route).seconds
+    estimate = SEALING.solution + duration_of_stepped_measurement(setup, options.route).seconds
 
     def mute(_fraction: float, _message: str) -> None:
         progress(0.0, "measuring")
@@ -78,7 +90,7 @@ def measure_sealed_and_store(
         raise
     except ModalLabError:  # told below, at the time at which a good one ends
         pass
-    _wait(began, least, progress)
+    _wait(began, SEALING.spare * estimate, progress)
     if measurement is None:
         raise AssignmentError(
             "the test cannot be carried out as chosen; choose another, or ask the instructor"

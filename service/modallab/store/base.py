@@ -161,6 +161,10 @@ class TruthShelf(Protocol):
         """Return how a measurement was made, to its owner; to others it is not found."""
         ...
 
+    def holds(self, measurement_id: str) -> bool:
+        """Tell whether it is known how a measurement was made: it was made here."""
+        ...
+
 
 class TrialShelf(Protocol):
     """Which measurements belong to which assignment."""
@@ -171,6 +175,10 @@ class TrialShelf(Protocol):
 
     def assignments_of(self, measurement_ids: Sequence[str]) -> Mapping[str, Assignment]:
         """Return the assignments of those measurements that belong to one."""
+        ...
+
+    def of_class(self, class_id: str) -> Mapping[str, Assignment]:
+        """Return the assignments of all measurements of a class by the measurements' ids."""
         ...
 
 
@@ -191,6 +199,11 @@ class Store(Protocol):
 
     def as_seen_by(self, viewer: Viewer) -> "Store":
         """Return the store in which only what is there for the viewer exists."""
+        ...
+
+    @property
+    def unrestricted(self) -> "Store":
+        """The store as the service itself sees it."""
         ...
 
     def weight(self, ids: Sequence[str], array_bytes: float, *, origins: bool) -> float:

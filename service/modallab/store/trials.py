@@ -28,10 +28,17 @@ class SqlTrials:
 
     def assignments_of(self, measurement_ids: Sequence[str]) -> dict[str, Assignment]:
         """Return the assignments of those measurements that belong to one."""
+        return self._of(TRIALS.c.measurement_id.in_(measurement_ids))
+
+    def of_class(self, class_id: str) -> dict[str, Assignment]:
+        """Return the assignments of all measurements of a class by the measurements' ids."""
+        return self._of((ASSIGNMENTS.c.class_id == class_id) & TRIALS.c.measurement_id.is_not(None))
+
+    def _of(self, condition: sa.ColumnElement[bool]) -> dict[str, Assignment]:
         query = (
             sa.select(TRIALS.c.measurement_id, ASSIGNMENTS.c.body)
             .join(ASSIGNMENTS, ASSIGNMENTS.c.id == TRIALS.c.assignment_id)
-            .where(TRIALS.c.measurement_id.in_(measurement_ids))
+            .where(condition)
         )
         with self._connect() as connection:
             return {id: from_plain(Assignment, body, {}) for id, body in connection.execute(query)}

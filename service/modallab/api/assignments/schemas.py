@@ -187,6 +187,7 @@ class AssignmentIn(Wire):
             hidden=tuple(effect.to_domain() for effect in self.hidden),
             rubric=self.rubric.to_domain(),
         )
+        _check_times(assignment)
         _check_choices(assignment)
         _check_hidden(assignment, structure, setup)
         return assignment
@@ -257,6 +258,22 @@ def routes_of(assignment: Assignment) -> list[Route]:
     return [Route.SAMPLED] if choice is None else [Route(str(value)) for value in choice.values]
 
 
+def _check_times(assignment: Assignment) -> None:
+    """Raise `InvalidInputError` if a time is missing, or they are in the wrong order."""
+    deadline, reveal = assignment.deadline, assignment.reveal
+    if deadline is None and assignment.diagnosis is DiagnosisRule.AFTER_DEADLINE:
+        raise InvalidInputError(
+            "without a deadline there is nothing after it", field="deadline", allowed="a time"
+        )
+    if deadline is not None and reveal is not None and reveal < deadline:
+        raise InvalidInputError(
+            "students would see what is hidden while they measure",
+            field="reveal",
+            value=reveal,
+            allowed=f"{deadline} or later",
+        )
+
+
 def _of_rig(choices: Mapping[str, Choice]) -> dict[str, Choice]:
     return {path: choice for path, choice in choices.items() if path != ROUTE}
 
@@ -296,8 +313,9 @@ def _is_rig(assignment: Assignment, path: str, value: Any) -> bool:
     chosen: dict[str, Any] = {last: value}
     for part in reversed(parts):
         chosen = {part: chosen}
+    allowed = Choice(values=tuple(value) if isinstance(value, list) else (value,))
     try:
-        RigIn.model_validate(chosen_rig(assignment.rig, {path: Choice(values=(value,))}, chosen)).to_domain()
+        RigIn.model_validate(chosen_rig(assignment.rig, {path: allowed}, chosen)).to_domain()
     except (ValidationError, InvalidInputError):
         return False
     return True
