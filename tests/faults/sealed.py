@@ -55,6 +55,15 @@ class Secret:
     content: bytes
     unless: str = "nowhere"
     """Beginning of the requests whose replies have it for all."""
+    is_number: bool = False
+    """Whether it is a number in digits, which is no part of a longer one."""
+
+    def is_in(self, content: bytes) -> bool:
+        """Return whether a reply has it."""
+        if self.content not in content:
+            return False
+        alone = rb"(?<![\d.])" + re.escape(self.content) + rb"(?!\d)"
+        return not self.is_number or re.search(alone, content) is not None
 
 
 def assigned(school: School, number: int) -> tuple[str, str]:
@@ -148,8 +157,8 @@ def secrets(stored: StoredAssignment, student: str) -> Iterator[Secret]:
         yield Secret("kind", effect.kind.encode(), "GET /v1/catalog/")
         yield Secret("place", f'"{effect.at}"'.encode(), "GET /v1/structures/")
         for value in effect.parameters.values():
-            texts = {repr(value), f"{value:.6g}", f"{value:.8g}", f"{value:.5e}"}
-            yield from (Secret("value", text.encode()) for text in texts)
+            texts = {f"{value:.{digits}{form}}" for digits in range(6, 18) for form in "ge"}
+            yield from (Secret("value", text.encode(), is_number=True) for text in (repr(value), *texts))
             yield from (Secret("value", struct.pack(order, value)) for order in ("<d", ">d", "<f", ">f"))
     for right in stored.assignment.rubric.expected.values():
         yield Secret("coefficient", repr(right.value).encode())
@@ -161,7 +170,7 @@ def found(replies: Sequence[Reply], hidden: Sequence[Secret]) -> list[str]:
         f"{secret.name} {secret.content!r} in {reply.request}"
         for reply in replies
         for secret in hidden
-        if secret.content in reply.content and not reply.request.startswith(secret.unless)
+        if secret.is_in(reply.content) and not reply.request.startswith(secret.unless)
     ]
 
 

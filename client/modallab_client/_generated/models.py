@@ -83,7 +83,7 @@ class Marks:
 
 
 @dataclass(frozen=True, kw_only=True)
-class SubmissionReply:
+class Submission:
     """An answer with its marks."""
 
     coefficients: Mapping[str, float] = field(hash=False)
@@ -101,7 +101,7 @@ class SubmissionReply:
 
 
 @dataclass(frozen=True, kw_only=True)
-class AssignmentReply:
+class Assignment:
     """An assignment, as the caller may see it."""
 
     choices: Mapping[str, Mapping[str, Any]] = field(hash=False)
@@ -136,7 +136,7 @@ class AssignmentReply:
     """points of an answer"""
     structure_id: str
     """id of the analytical model, without hidden effects"""
-    submission: SubmissionReply | None
+    submission: Submission | None
     """the caller's last answer; null: none yet"""
     submissions: int
     """1, answers of each student"""
@@ -148,7 +148,7 @@ class AssignmentReply:
 class Assignments:
     """All assignments."""
 
-    items: tuple[AssignmentReply, ...]
+    items: tuple[Assignment, ...]
     """Assignments, newest first."""
 
 
@@ -162,7 +162,7 @@ class StudentMarks:
     """name of the student"""
     student: str
     """id of the student's key"""
-    submission: SubmissionReply | None
+    submission: Submission | None
     """the last answer, with its marks; null: none yet"""
 
 

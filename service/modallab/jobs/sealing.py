@@ -4,7 +4,7 @@ import math
 import time
 from dataclasses import dataclass, replace
 
-from modallab.assignments.assignment import AssignmentError
+from modallab.assignments.terms import AssignmentError
 from modallab.core.errors import CancelledError, InvalidInputError, ModalLabError
 from modallab.core.place import EffectSpec
 from modallab.core.progress import Progress

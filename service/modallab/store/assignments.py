@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import sqlalchemy as sa
 from sqlalchemy.exc import IntegrityError
 
-from modallab.assignments.assignment import Assignment, AssignmentError
 from modallab.assignments.drawing import Lot
 from modallab.assignments.hidden import drawn_for
 from modallab.assignments.marking import Answer, Marks
+from modallab.assignments.terms import AssignmentError, AssignmentTerms
 from modallab.core.errors import NotFoundError
 from modallab.core.place import EffectSpec
 from modallab.store.keys import now
@@ -38,7 +38,7 @@ class StoredAssignment:
     created: str
     secret: str
     """Origin of all draws and seeds; no reply tells it."""
-    assignment: Assignment
+    assignment: AssignmentTerms
 
     def hidden_from(self, student: str) -> tuple[EffectSpec, ...]:
         """Return the effects of one student, by the id of the key."""
@@ -50,7 +50,7 @@ class StoredAssignment:
 
 
 @dataclass(frozen=True)
-class Submission:
+class MarkedAnswer:
     """An answer with its marks."""
 
     student: str
@@ -72,7 +72,7 @@ class AssignmentBook:
         self._engine = engine
 
     def create(
-        self, assignment: Assignment, *, class_id: str, owner: str, structure_id: str
+        self, assignment: AssignmentTerms, *, class_id: str, owner: str, structure_id: str
     ) -> StoredAssignment:
         """Return a new assignment; its structure is shared with the class."""
         row = {
@@ -136,7 +136,7 @@ class AssignmentBook:
         with self._engine.begin() as connection:
             connection.execute(TRIALS.delete().where(condition, TRIALS.c.number == number))
 
-    def submit(self, stored: StoredAssignment, student: str, answer: Answer, marks: Marks) -> Submission:
+    def submit(self, stored: StoredAssignment, student: str, answer: Answer, marks: Marks) -> MarkedAnswer:
         """Return a student's answer after entering it.
 
         Raises
@@ -155,7 +155,7 @@ class AssignmentBook:
         }
         most = stored.assignment.submissions
         number = self._numbered(SUBMISSIONS, same, row, most, "answers are given", "submissions")
-        return Submission(student, number, created, answer, marks)
+        return MarkedAnswer(student, number, created, answer, marks)
 
     def _numbered(
         self,
@@ -190,7 +190,7 @@ class AssignmentBook:
                 found[student].append(measurement_id)
         return found
 
-    def submissions(self, stored: StoredAssignment, students: Sequence[str]) -> dict[str, Submission]:
+    def submissions(self, stored: StoredAssignment, students: Sequence[str]) -> dict[str, MarkedAnswer]:
         """Return the last answer of each student who gave one."""
         query = sa.select(SUBMISSIONS).order_by(SUBMISSIONS.c.number)
         query = query.where(SUBMISSIONS.c.assignment_id == stored.id, SUBMISSIONS.c.student.in_(students))
@@ -207,9 +207,9 @@ def _readable(viewer: Viewer) -> sa.ColumnElement[bool]:
 
 def _stored(row: Mapping[str, object]) -> StoredAssignment:
     values = {name: value for name, value in row.items() if name != "body"}
-    return StoredAssignment(**values, assignment=from_plain(Assignment, row["body"], {}))  # type: ignore[arg-type]
+    return StoredAssignment(**values, assignment=from_plain(AssignmentTerms, row["body"], {}))  # type: ignore[arg-type]
 
 
-def _submission(row: sa.Row[tuple[object, ...]]) -> Submission:
+def _submission(row: sa.Row[tuple[object, ...]]) -> MarkedAnswer:
     answer, marks = from_plain(Answer, row.answer, {}), from_plain(Marks, row.marks, {})
-    return Submission(row.student, row.number, row.created, answer, marks)
+    return MarkedAnswer(row.student, row.number, row.created, answer, marks)

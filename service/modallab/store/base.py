@@ -5,7 +5,7 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from typing import Any, Protocol, TypeVar
 
-from modallab.assignments.assignment import Assignment
+from modallab.assignments.terms import AssignmentTerms
 from modallab.core.errors import ModalLabError
 from modallab.core.place import EffectSpec
 from modallab.store.viewer import Viewer
@@ -173,11 +173,11 @@ class TrialShelf(Protocol):
         """Enter the measurement of a trial."""
         ...
 
-    def assignments_of(self, measurement_ids: Sequence[str]) -> Mapping[str, Assignment]:
+    def assignments_of(self, measurement_ids: Sequence[str]) -> Mapping[str, AssignmentTerms]:
         """Return the assignments of those measurements that belong to one."""
         ...
 
-    def of_class(self, class_id: str) -> Mapping[str, Assignment]:
+    def of_class(self, class_id: str) -> Mapping[str, AssignmentTerms]:
         """Return the assignments of all measurements of a class by the measurements' ids."""
         ...
 

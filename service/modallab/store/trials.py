@@ -5,7 +5,7 @@ from contextlib import AbstractContextManager
 
 import sqlalchemy as sa
 
-from modallab.assignments.assignment import Assignment
+from modallab.assignments.terms import AssignmentTerms
 from modallab.store.base import Trial
 from modallab.store.plain import from_plain
 from modallab.store.tables import ASSIGNMENTS, TRIALS
@@ -26,19 +26,19 @@ class SqlTrials:
         with self._connect() as connection:
             connection.execute(change.values(measurement_id=measurement_id))
 
-    def assignments_of(self, measurement_ids: Sequence[str]) -> dict[str, Assignment]:
+    def assignments_of(self, measurement_ids: Sequence[str]) -> dict[str, AssignmentTerms]:
         """Return the assignments of those measurements that belong to one."""
         return self._of(TRIALS.c.measurement_id.in_(measurement_ids))
 
-    def of_class(self, class_id: str) -> dict[str, Assignment]:
+    def of_class(self, class_id: str) -> dict[str, AssignmentTerms]:
         """Return the assignments of all measurements of a class by the measurements' ids."""
         return self._of((ASSIGNMENTS.c.class_id == class_id) & TRIALS.c.measurement_id.is_not(None))
 
-    def _of(self, condition: sa.ColumnElement[bool]) -> dict[str, Assignment]:
+    def _of(self, condition: sa.ColumnElement[bool]) -> dict[str, AssignmentTerms]:
         query = (
             sa.select(TRIALS.c.measurement_id, ASSIGNMENTS.c.body)
             .join(ASSIGNMENTS, ASSIGNMENTS.c.id == TRIALS.c.assignment_id)
             .where(condition)
         )
         with self._connect() as connection:
-            return {id: from_plain(Assignment, body, {}) for id, body in connection.execute(query)}
+            return {id: from_plain(AssignmentTerms, body, {}) for id, body in connection.execute(query)}

@@ -141,7 +141,7 @@ def test_the_same_choice_again_shares_no_value_where_there_is_noise(school: Scho
         assert not np.any(tests[0][name] == tests[1][name]), name
     # Independent complex errors e_i give e_1 - e_3 and e_2 - e_3 a correlation of 1/2, and their unit vectors
     # pi/8 (1 + 1/32 + ..) = 0.406; one error repeated gives 1, none 0. The FRFs share the error of the force:
-    # of 161 independent lines the mean scatters by 0.7 / sqrt(161) = 0.055, of which this is three and a half.
+    # of 161 independent lines the mean scatters by 0.7 / sqrt(161) = 0.055: 3.5 of them.
     first, second = (test["values"] - tests[2]["values"] for test in tests[:2])
     unit = first.conj() * second / np.abs(first * second)
     assert abs(unit.real.mean() - 0.406) < 0.19

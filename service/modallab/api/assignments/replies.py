@@ -10,7 +10,7 @@ from modallab.api.wire import Reply, place_out
 from modallab.assignments.hidden import HiddenEffect
 from modallab.assignments.marking import Marks, Rubric
 from modallab.core.place import EffectSpec
-from modallab.store.assignments import StoredAssignment, Submission
+from modallab.store.assignments import MarkedAnswer, StoredAssignment
 from modallab.store.keys import Key, now
 from modallab.store.viewer import Visibility
 
@@ -29,7 +29,7 @@ RubricReply: Any = reply(
 )
 
 
-class AssignmentReply(Reply):
+class Assignment(Reply):
     """An assignment, as the caller may see it."""
 
     id: str
@@ -62,7 +62,7 @@ class AssignmentReply(Reply):
     """points of an answer"""
     measurements: list[str | None]
     """ids of the caller's measurements, oldest first; null: not finished, or failed"""
-    submission: "SubmissionReply | None"
+    submission: "Submission | None"
     """the caller's last answer; null: none yet"""
     revealed: list[Json] | None = Field(default=None, exclude_if=_is_none)
     """the caller's hidden effects; left out before the time `reveal`"""
@@ -72,7 +72,7 @@ class AssignmentReply(Reply):
     """right coefficients by name; left out for students"""
 
 
-class SubmissionReply(Reply):
+class Submission(Reply):
     """An answer with its marks."""
 
     number: int
@@ -98,14 +98,14 @@ class StudentMarks(Reply):
     """name of the student"""
     measurements: int
     """1, measurements made or under way"""
-    submission: SubmissionReply | None
+    submission: Submission | None
     """the last answer, with its marks; null: none yet"""
 
 
 class Assignments(Reply):
     """All assignments."""
 
-    items: list[AssignmentReply]
+    items: list[Assignment]
     """Assignments, newest first."""
 
 
@@ -117,8 +117,8 @@ class ClassMarks(Reply):
 
 
 def assignment_reply(
-    stored: StoredAssignment, caller: Caller, measurements: list[str | None], last: Submission | None
-) -> AssignmentReply:
+    stored: StoredAssignment, caller: Caller, measurements: list[str | None], last: MarkedAnswer | None
+) -> Assignment:
     """Return an assignment; what is hidden is told to its instructor and to administrators alone."""
     assignment = stored.assignment
     rubric = vars(assignment.rubric)
@@ -135,7 +135,7 @@ def assignment_reply(
         reply["expected"] = {name: dict(vars(right)) for name, right in assignment.rubric.expected.items()}
     if assignment.is_revealed(now()):
         reply["revealed"] = [_effect(spec) for spec in stored.hidden_from(caller.viewer.owner)]
-    return AssignmentReply.model_validate(reply)
+    return Assignment.model_validate(reply)
 
 
 def limits_out(choice: Json) -> Json:
@@ -145,10 +145,10 @@ def limits_out(choice: Json) -> Json:
     return {"between": [choice["lower"], choice["upper"]]}
 
 
-def submission_reply(submission: Submission) -> SubmissionReply:
+def submission_reply(submission: MarkedAnswer) -> Submission:
     """Return the reply of an answer."""
     answer = submission.answer
-    return SubmissionReply.model_validate(
+    return Submission.model_validate(
         {
             "number": submission.number,
             "created": submission.created,
@@ -160,7 +160,7 @@ def submission_reply(submission: Submission) -> SubmissionReply:
     )
 
 
-def student_marks(key: Key, measurements: list[str | None], last: Submission | None) -> StudentMarks:
+def student_marks(key: Key, measurements: list[str | None], last: MarkedAnswer | None) -> StudentMarks:
     """Return a student's row of the class table."""
     return StudentMarks(
         student=key.id,

@@ -10,11 +10,11 @@ from fastapi import APIRouter, Depends, Request, status
 from modallab.api.access import Caller, CallerDep, KeyDep, TeacherKeyDep
 from modallab.api.assignments.replies import (
     MARK_COLUMNS,
-    AssignmentReply,
+    Assignment,
     Assignments,
     ClassMarks,
     StudentMarks,
-    SubmissionReply,
+    Submission,
     assignment_reply,
     mark_row,
     student_marks,
@@ -77,7 +77,7 @@ AssignmentsDep = Annotated[AssignmentBook, Depends(_assignments)]
 
 
 @router.post(
-    "", status_code=status.HTTP_201_CREATED, response_model=AssignmentReply, summary="Create an assignment"
+    "", status_code=status.HTTP_201_CREATED, response_model=Assignment, summary="Create an assignment"
 )
 def create_assignment(
     body: Annotated[AssignmentIn, example(_ASSIGNMENT)],
@@ -107,13 +107,13 @@ def list_assignments(assignments: AssignmentsDep, caller: CallerDep, key: KeyDep
     return Assignments(items=[_reply(assignments, stored, caller) for stored in found])
 
 
-@router.get("/{id}", response_model=AssignmentReply, summary="Get an assignment")
+@router.get("/{id}", response_model=Assignment, summary="Get an assignment")
 def get_assignment(id: IdPath, assignments: AssignmentsDep, caller: CallerDep, key: KeyDep) -> Any:
     """Return an assignment with the caller's measurements and last answer; students see nothing hidden."""
     return _reply(assignments, assignments.get(id, viewer=key.viewer), caller)
 
 
-def _reply(assignments: AssignmentBook, stored: StoredAssignment, caller: Caller) -> AssignmentReply:
+def _reply(assignments: AssignmentBook, stored: StoredAssignment, caller: Caller) -> Assignment:
     owner = caller.viewer.owner
     measurements = assignments.measurements(stored, [owner])[owner]
     return assignment_reply(stored, caller, measurements, assignments.submissions(stored, [owner]).get(owner))
@@ -184,7 +184,7 @@ def _rig_id(assignment_id: str, student: str, setup: RigSetup) -> str:
 @router.post(
     "/{id}/submissions",
     status_code=status.HTTP_201_CREATED,
-    response_model=SubmissionReply,
+    response_model=Submission,
     summary="Submit an answer",
 )
 def submit_answer(

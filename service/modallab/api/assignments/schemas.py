@@ -24,10 +24,10 @@ from modallab.api.wire import (
     Text,
     Wire,
 )
-from modallab.assignments.assignment import Assignment, DiagnosisRule
 from modallab.assignments.choices import Choice, chosen_rig
 from modallab.assignments.hidden import HiddenEffect
 from modallab.assignments.marking import Answer, ExpectedCoefficient, Rubric
+from modallab.assignments.terms import AssignmentTerms, DiagnosisRule
 from modallab.core.errors import InvalidInputError
 from modallab.fe.structure import Structure
 from modallab.rig.effect import Stage, build
@@ -163,7 +163,7 @@ class AssignmentIn(Wire):
     rubric: RubricIn = RubricIn()
     """points of an answer"""
 
-    def to_domain(self, structure: Structure) -> Assignment:
+    def to_domain(self, structure: Structure) -> AssignmentTerms:
         """Return the assignment, its hidden effects and choices checked on its structure.
 
         Raises
@@ -175,7 +175,7 @@ class AssignmentIn(Wire):
         setup = self.rig.to_domain()
         for dof in (*setup.drives, *setup.responses):
             structure.index(dof)
-        assignment = Assignment(
+        assignment = AssignmentTerms(
             title=self.title,
             rig=self.rig.model_dump(mode="json", exclude_unset=True),
             choices={path: _choice(path, limits) for path, limits in self.choices.items()},
@@ -201,7 +201,7 @@ class TrialIn(Wire):
     route: Route | None = None
     """how the measurement comes about; null: the first that the assignment allows"""
 
-    def rig_body(self, assignment: Assignment) -> RigIn:
+    def rig_body(self, assignment: AssignmentTerms) -> RigIn:
         """Return the rig of the assignment with the student's choices.
 
         Raises
@@ -218,7 +218,7 @@ class TrialIn(Wire):
             faults = [fault | {"loc": ("body", "rig", *fault["loc"])} for fault in error.errors()]
             raise RequestValidationError(faults, body={"rig": chosen}) from None
 
-    def route_of(self, assignment: Assignment) -> Route:
+    def route_of(self, assignment: AssignmentTerms) -> Route:
         """Return the route; `InvalidInputError` if the assignment does not allow it."""
         allowed = routes_of(assignment)
         if self.route is not None and self.route not in allowed:
@@ -252,13 +252,13 @@ class SubmissionIn(Wire):
         return Answer(tuple(specs), dict(self.coefficients), self.words)
 
 
-def routes_of(assignment: Assignment) -> list[Route]:
+def routes_of(assignment: AssignmentTerms) -> list[Route]:
     """Return the routes that an assignment allows, the usual one first."""
     choice = assignment.choices.get(ROUTE)
     return [Route.SAMPLED] if choice is None else [Route(str(value)) for value in choice.values]
 
 
-def _check_times(assignment: Assignment) -> None:
+def _check_times(assignment: AssignmentTerms) -> None:
     """Raise `InvalidInputError` if a time is missing, or they are in the wrong order."""
     deadline, reveal = assignment.deadline, assignment.reveal
     if deadline is None and assignment.diagnosis is DiagnosisRule.AFTER_DEADLINE:
@@ -285,7 +285,7 @@ def _choice(path: str, limits: BetweenIn | ValuesIn) -> Choice:
     return Choice(lower, upper)
 
 
-def _check_choices(assignment: Assignment) -> None:
+def _check_choices(assignment: AssignmentTerms) -> None:
     """Raise `InvalidInputError` if a limit of a choice makes no rig."""
     known = [route.value for route in Route]
     route = assignment.choices.get(ROUTE)
@@ -302,13 +302,13 @@ def _check_choices(assignment: Assignment) -> None:
                 )
 
 
-def _makes_a_rig(assignment: Assignment, path: str, value: Any) -> bool:
+def _makes_a_rig(assignment: AssignmentTerms, path: str, value: Any) -> bool:
     """Return whether the frame with one choice is a rig; a list may have the value as its entry."""
     whole = int(value) if isinstance(value, float) and value.is_integer() else value
     return any(_is_rig(assignment, path, tried) for tried in (whole, [whole]))
 
 
-def _is_rig(assignment: Assignment, path: str, value: Any) -> bool:
+def _is_rig(assignment: AssignmentTerms, path: str, value: Any) -> bool:
     *parts, last = path.split(".")
     chosen: dict[str, Any] = {last: value}
     for part in reversed(parts):
@@ -321,7 +321,7 @@ def _is_rig(assignment: Assignment, path: str, value: Any) -> bool:
     return True
 
 
-def _check_hidden(assignment: Assignment, structure: Structure, setup: RigSetup) -> None:
+def _check_hidden(assignment: AssignmentTerms, structure: Structure, setup: RigSetup) -> None:
     """Raise `InvalidInputError` if a hidden effect cannot be what it may be drawn as."""
     only_sampled = routes_of(assignment) == [Route.SAMPLED]
     for effect in _extremes(assignment.hidden):

@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from modallab.assignments.assignment import AssignmentError
 from modallab.assignments.recognition import is_copy
+from modallab.assignments.terms import AssignmentError
 from modallab.store.base import Store
 from modallab.store.keys import now
 from modallab.store.viewer import Viewer, Visibility

@@ -26,7 +26,7 @@ class DiagnosisRule(StrEnum):
 
 
 @dataclass(frozen=True)
-class Assignment:
+class AssignmentTerms:
     """What an instructor sets a class."""
 
     title: str
