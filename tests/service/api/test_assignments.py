@@ -222,6 +222,15 @@ def test_a_closed_assignment_is_gone_and_its_measurements_stay(school: School) -
         ({"choices": {"analyser.colour": {"one_of": ["red"]}}}, "choices.analyser.colour"),
         ({"choices": {"analyser.averages": {"between": [0, 5]}}}, "choices.analyser.averages"),
         ({"choices": {"route": {"one_of": ["magic"]}}}, "choices.route"),
+        ({"diagnosis": "after_deadline"}, "deadline"),
+        ({"deadline": LATER, "reveal": LONG_AGO}, "reveal"),
+        (
+            {
+                "hidden": [{"kind": "cubic_stiffness", "at": "2:+Y"}],
+                "choices": {"route": {"one_of": ["sampled", "drawn"]}},
+            },
+            "choices.route",
+        ),
         ({"structure": "0" * 24}, "structure_id"),
         ({"class_id": "0" * 24}, "id"),
     ],
