@@ -8,7 +8,9 @@ from typing import Any, Self
 
 import httpx
 
+from modallab_client._async.assignments import AsyncAssignments
 from modallab_client._async.catalog import AsyncCatalog
+from modallab_client._async.classes import AsyncClasses, AsyncKeys
 from modallab_client._async.correlations import AsyncCorrelations
 from modallab_client._async.diagnoses import AsyncDiagnoses
 from modallab_client._async.jobs import AsyncJobs
@@ -59,6 +61,9 @@ class AsyncModalLab:
         self.diagnoses = AsyncDiagnoses(self._transport)
         self.jobs = AsyncJobs(self._transport)
         self.catalog = AsyncCatalog(self._transport)
+        self.keys = AsyncKeys(self._transport)
+        self.classes = AsyncClasses(self._transport)
+        self.assignments = AsyncAssignments(self._transport)
 
     @classmethod
     def embedded(cls, data: str | Path | None = None, *, timeout: float = 60.0) -> Self:

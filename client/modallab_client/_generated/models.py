@@ -37,6 +37,179 @@ BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, kw_only=True)
+class Rubric:
+    """Points of an answer by criterion, each shared equally by what is judged."""
+
+    coefficients: float
+    """1, points for updated coefficients."""
+    kind: float
+    """1, points for the kinds of the effects."""
+    names: tuple[str, ...]
+    """Names of the coefficients that are asked for."""
+    place: float
+    """1, points for the places of effects of the right kind."""
+    size: float
+    """1, points for the parameters of effects of the right kind."""
+    tolerance: float
+    """1, relative difference of a parameter that counts as right."""
+    words: float
+    """1, points for the words, which the instructor gives."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mark:
+    """Points of one criterion."""
+
+    criterion: str
+    """`kind`, `place`, `size`, `coefficients` or `words`."""
+    maximum: float
+    """1, points that can be reached."""
+    points: float | None
+    """1, points reached; null: the instructor gives them."""
+    reasons: tuple[str, ...]
+    """What is right and what is not, a sentence each."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Marks:
+    """Points of an answer."""
+
+    marks: tuple[Mark, ...]
+    """Points by criterion."""
+    maximum: float
+    """1, points that can be reached, without those that the instructor gives."""
+    points: float
+    """1, points reached, without those that the instructor gives."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Submission:
+    """An answer with its marks."""
+
+    coefficients: Mapping[str, float] = field(hash=False)
+    """coefficients as they were sent"""
+    created: str
+    """time of the answer, ISO 8601, UTC"""
+    effects: tuple[Mapping[str, Any], ...]
+    """effects as they were sent"""
+    marks: Marks
+    """points, with reasons"""
+    number: int
+    """1, number of the answer, from 1 on"""
+    words: str
+    """words for the instructor"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Assignment:
+    """An assignment, as the caller may see it."""
+
+    choices: Mapping[str, Mapping[str, Any]] = field(hash=False)
+    """fields that a student may choose, with `between` or `one_of`"""
+    class_id: str
+    """id of the class"""
+    created: str
+    """time of creation, ISO 8601, UTC"""
+    deadline: str | None
+    """ISO 8601, UTC, end of measurements and answers; null: none"""
+    diagnosis: str
+    """whether students may diagnose the measurements: `off`, `on` or `after_deadline`"""
+    expected: Mapping[str, Mapping[str, Any]] | None = None
+    """right coefficients by name; left out for students"""
+    hidden: tuple[Mapping[str, Any], ...] | None = None
+    """hidden effects or their templates; left out for students"""
+    id: str
+    """id of the assignment"""
+    measurements: tuple[str | None, ...]
+    """ids of the caller's measurements, oldest first; null: not finished, or failed"""
+    owner: str
+    """id of the instructor's key"""
+    quota: int
+    """1, measurements of each student"""
+    reveal: str | None
+    """ISO 8601, UTC, time from which students see their hidden effects; null: never"""
+    revealed: tuple[Mapping[str, Any], ...] | None = None
+    """the caller's hidden effects; left out before the time `reveal`"""
+    rig: Mapping[str, Any] = field(hash=False)
+    """body of the rig as it stands where a student chooses nothing"""
+    rubric: Rubric
+    """points of an answer"""
+    structure_id: str
+    """id of the analytical model, without hidden effects"""
+    submission: Submission | None
+    """the caller's last answer; null: none yet"""
+    submissions: int
+    """1, answers of each student"""
+    title: str
+    """title of the assignment"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Assignments:
+    """All assignments."""
+
+    items: tuple[Assignment, ...]
+    """Assignments, newest first."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudentMarks:
+    """A student's row of the class table."""
+
+    measurements: int
+    """1, measurements made or under way"""
+    name: str
+    """name of the student"""
+    student: str
+    """id of the student's key"""
+    submission: Submission | None
+    """the last answer, with its marks; null: none yet"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClassMarks:
+    """Marks of a class."""
+
+    items: tuple[StudentMarks, ...]
+    """One row a student."""
+
+
+JobState = Literal["queued", "running", "succeeded", "failed", "cancelled"]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class JobStatus(JobStatusMethods):
+    """Status of a background task."""
+
+    created: str
+    """ISO 8601, UTC, time of the request."""
+    ended: str | None
+    """ISO 8601, UTC, time of the end; null: the job has not ended."""
+    error: Mapping[str, Any] | None
+    """Problem document of a failed job; else null."""
+    fraction: float
+    """1, share of the work that is done, 0 to 1."""
+    id: str
+    """Id of the job."""
+    message: str
+    """Step under way."""
+    owner: str
+    """Owner of the job and of its result."""
+    place: int | None
+    """1, place in the queue, 1 for the next; null: the job does not wait."""
+    result_id: str | None
+    """Id of the result; null until the job has succeeded."""
+    started: str | None
+    """ISO 8601, UTC, time at which the work began; null: it waits."""
+    state: JobState
+    """State of the job."""
+    task: str
+    """Name of the task, for example `measure_and_store`."""
+    wait_estimate: float | None
+    """s, time until the work may begin, by recent jobs; null: the job does not wait, or nothing is known."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class ParameterSpec:
     """Specification of a parameter that may be fitted."""
 
@@ -299,41 +472,6 @@ class Correlation(CorrelationMethods):
     """seed of its random numbers; null where there are none"""
     version: str
     """version of the service that made it"""
-
-
-JobState = Literal["queued", "running", "succeeded", "failed", "cancelled"]
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class JobStatus(JobStatusMethods):
-    """Status of a background task."""
-
-    created: str
-    """ISO 8601, UTC, time of the request."""
-    ended: str | None
-    """ISO 8601, UTC, time of the end; null: the job has not ended."""
-    error: Mapping[str, Any] | None
-    """Problem document of a failed job; else null."""
-    fraction: float
-    """1, share of the work that is done, 0 to 1."""
-    id: str
-    """Id of the job."""
-    message: str
-    """Step under way."""
-    owner: str
-    """Owner of the job and of its result."""
-    place: int | None
-    """1, place in the queue, 1 for the next; null: the job does not wait."""
-    result_id: str | None
-    """Id of the result; null until the job has succeeded."""
-    started: str | None
-    """ISO 8601, UTC, time at which the work began; null: it waits."""
-    state: JobState
-    """State of the job."""
-    task: str
-    """Name of the task, for example `measure_and_store`."""
-    wait_estimate: float | None
-    """s, time until the work may begin, by recent jobs; null: the job does not wait, or nothing is known."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,7 +9,9 @@ from typing import Any, Self
 import httpx
 
 from modallab_client._embedded import ServiceProcess, require_service
+from modallab_client._sync.assignments import Assignments
 from modallab_client._sync.catalog import Catalog
+from modallab_client._sync.classes import Classes, Keys
 from modallab_client._sync.correlations import Correlations
 from modallab_client._sync.diagnoses import Diagnoses
 from modallab_client._sync.jobs import Jobs
@@ -59,6 +61,9 @@ class ModalLab:
         self.diagnoses = Diagnoses(self._transport)
         self.jobs = Jobs(self._transport)
         self.catalog = Catalog(self._transport)
+        self.keys = Keys(self._transport)
+        self.classes = Classes(self._transport)
+        self.assignments = Assignments(self._transport)
 
     @classmethod
     def embedded(cls, data: str | Path | None = None, *, timeout: float = 60.0) -> Self:

@@ -10,6 +10,7 @@ from fastapi import APIRouter, Depends, FastAPI
 import modallab
 from modallab.api import about, catalog, classes, document, jobs, keys, limit_list, problems, sessions
 from modallab.api.access import OPERATORS, PERSONS
+from modallab.api.assignments import router as assignments
 from modallab.api.body_limit import BodyLimit
 from modallab.api.correlations import router as correlations
 from modallab.api.diagnoses import router as diagnoses
@@ -29,6 +30,7 @@ from modallab.api.updates import router as updates
 from modallab.jobs.book import JobBook
 from modallab.jobs.durable import DurableRunner
 from modallab.jobs.runner import JobRunner
+from modallab.store.assignments import AssignmentBook
 from modallab.store.classes import ClassBook
 from modallab.store.keys import KeyBook
 from modallab.store.place import engine_of, open_store
@@ -96,6 +98,7 @@ def create_app(
     app.state.settings, app.state.store, app.state.jobs = settings, open_store(settings.store_place), chosen
     app.state.keys = KeyBook(engine_of(settings.store_place))
     app.state.classes = ClassBook(engine_of(settings.store_place), app.state.keys)
+    app.state.assignments = AssignmentBook(engine_of(settings.store_place))
     app.state.sessions = SessionBook(engine_of(settings.store_place))
     app.include_router(_routes())
     app.include_router(page.router)
@@ -113,7 +116,7 @@ def _routes() -> APIRouter:
     v1 = APIRouter(prefix="/v1", dependencies=[Depends(check_request)])
     for part in (structures, rigs, measurements, modal_models, correlations, updates, studies, diagnoses):
         v1.include_router(part.router, dependencies=[PERSONS])
-    for router in (jobs.router, catalog.router):
+    for router in (jobs.router, catalog.router, assignments.router):
         v1.include_router(router, dependencies=[PERSONS])
     for router in (keys.router, classes.router, sessions.router, about.router, limit_list.router):
         v1.include_router(router)

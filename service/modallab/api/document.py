@@ -32,6 +32,7 @@ TAGS = {
     "updates": "Corrections of a structure from measured modes or FRFs.",
     "studies": "Statistics of an updating method over noise levels and random seeds.",
     "diagnoses": "Search for effects that a structure and a rig lack, from a measurement.",
+    "assignments": "Measurements for a class with hidden effects, and marks for what students find.",
     "keys": "API keys, classes of students, sessions of web pages.",
     "jobs": "Progress, results and cancellation of long work.",
     "catalog": "Names, parameters and bounds of everything that can be chosen.",

@@ -15,7 +15,7 @@ from modallab.api.limits import JOB_STREAM
 from modallab.api.replies import reply
 from modallab.api.wire import Reply
 from modallab.jobs.runner import Job, JobRunner, JobState
-from modallab.jobs.tasks import DIAGNOSIS, EXTRACTION, MEASUREMENT, STUDY, UPDATE
+from modallab.jobs.tasks import DIAGNOSIS, EXTRACTION, MEASUREMENT, SEALED_MEASUREMENT, STUDY, UPDATE
 from modallab.store.viewer import Viewer
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])
@@ -33,13 +33,14 @@ _EVENTS: dict[int | str, dict[str, Any]] = {
 _MOST = 100  # jobs looked up at a time
 KINDS = {
     "measurement": MEASUREMENT.name,
+    "sealed_measurement": SEALED_MEASUREMENT.name,
     "modal_model": EXTRACTION.name,
     "update": UPDATE.name,
     "diagnosis": DIAGNOSIS.name,
     "study": STUDY.name,
 }
 KindOfJob = Annotated[
-    Literal["measurement", "modal_model", "update", "diagnosis", "study"] | None,
+    Literal["measurement", "sealed_measurement", "modal_model", "update", "diagnosis", "study"] | None,
     Query(description="what the jobs make; left out: anything"),
 ]
 State = Annotated[JobState | None, Query(description="state of the jobs; left out: any")]

@@ -51,6 +51,7 @@ CODES: Mapping[int, str] = {
     415: "unsupported_media_type",
 }
 TITLES: Mapping[str, str] = {
+    "assignment": "The assignment does not allow this",
     "bad_request": "The request cannot be read",
     "busy": "The service answers as many heavy requests as it may",
     "cancelled": "The job was cancelled",

@@ -98,7 +98,11 @@ class EffectIn(Wire):
 
     def to_domain(self) -> Effect:
         """Return the effect, its kind, parameters, table and bounds checked."""
-        return build(EffectSpec(self.kind, self.place(), self.parameters, self.table))
+        return build(self.spec())
+
+    def spec(self) -> EffectSpec:
+        """Return the effect as it was sent, unchecked."""
+        return EffectSpec(self.kind, self.place(), self.parameters, self.table)
 
     def place(self) -> Place:
         """Return where the effect acts."""

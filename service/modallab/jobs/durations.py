@@ -69,13 +69,21 @@ def duration_of_measurement(setup: RigSetup, effects: Iterable[Effect], route: R
     effects
         All effects: of the structure, the rig and the test.
     """
+    return _duration(setup, route, is_stepped=any(effect.stage is Stage.MOTION for effect in effects))
+
+
+def duration_of_stepped_measurement(setup: RigSetup, route: Route) -> Duration:
+    """Return the duration of a simulated test with a nonlinear force, whether it has one or not."""
+    return _duration(setup, route, is_stepped=True)
+
+
+def _duration(setup: RigSetup, route: Route, *, is_stepped: bool) -> Duration:
     analyser = setup.simulated.analyser
     averages = analyser.simulated_averages
     if route is not Route.SAMPLED:
         return Duration(0.0, "averages", averages)
     runs = setup.simulated.acquisition_runs
     channels = sum(len(run.drives) + len(run.outputs) for run in runs)
-    is_stepped = any(effect.stage is Stage.MOTION for effect in effects)
     each = DURATION.sample * channels + (DURATION.stepped_sample * len(runs) if is_stepped else 0.0)
     return Duration(averages * samples_of(analyser) * each, "averages", averages)
 

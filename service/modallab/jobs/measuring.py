@@ -54,7 +54,7 @@ def measure_and_store(
     """Run the virtual test; store the measurement, and separately its truth."""
     rig_id, seed = inputs.rig_id, options.seed
     truth = Truth(inputs.structure_id, options.effects)
-    measurement = _measured(store, progress, truth, store.rigs.get(rig_id), options.route, seed)
+    measurement = measured(store, progress, truth, store.rigs.get(rig_id), options.route, seed)
     with store.together() as batch:
         batch.measurements.add(
             measurement, owner=into.owner, inputs={"rig_id": rig_id}, seed=seed, id=into.id
@@ -85,7 +85,7 @@ def measure_again(
     setup = change.applied(first.setup)
     truth = _on_other_rig(store.truths.get(measurement_id, owner=entry.owner), first.setup, setup)
     seed = _further_seed(entry.seed or 0, number)
-    measurement = _measured(store, progress, truth, setup, first.route or Route.SAMPLED, seed)
+    measurement = measured(store, progress, truth, setup, first.route or Route.SAMPLED, seed)
     rig_id = into.derived_id("rig")
     with store.together() as batch:
         batch.rigs.add(setup, owner=into.owner, inputs={"rig_id": entry.inputs["rig_id"]}, id=rig_id)
@@ -100,9 +100,10 @@ def measure_again(
         batch.truths.add(truth, measurement_id=into.id, owner=entry.owner)
 
 
-def _measured(
+def measured(
     store: Store, progress: Progress, truth: Truth, setup: RigSetup, route: str, seed: int
 ) -> Measurement:
+    """Return the measurement of a virtual test, with its route, seed and libraries."""
     structure = store.structures.get(truth.structure_id)
     hidden = [build(spec) for spec in truth.effects]
     rng = np.random.default_rng(seed)

@@ -20,6 +20,7 @@ from modallab.jobs.destination import Destination
 from modallab.jobs.diagnosing import DiagnosisInputs, diagnose_and_store
 from modallab.jobs.extracting import ExtractionInputs, ExtractionRequest, extract_and_store
 from modallab.jobs.measuring import MeasurementInputs, MeasurementOptions, measure_and_store
+from modallab.jobs.sealing import SealedInputs, measure_sealed_and_store
 from modallab.jobs.studying import StudyInputs, count_runs, run_of_study, study_and_store
 from modallab.jobs.updating import UpdateInputs, UpdateRequest, update_and_store
 from modallab.store.base import Store
@@ -94,12 +95,15 @@ class Shares(Generic[InputsT, OptionsT]):
 
 
 MEASUREMENT = Task("measure_and_store", measure_and_store, MeasurementInputs, MeasurementOptions)
+SEALED_MEASUREMENT = Task(
+    "measure_sealed_and_store", measure_sealed_and_store, SealedInputs, MeasurementOptions
+)
 EXTRACTION = Task("extract_and_store", extract_and_store, ExtractionInputs, ExtractionRequest)
 UPDATE = Task("update_and_store", update_and_store, UpdateInputs, UpdateRequest)
 DIAGNOSIS = Task("diagnose_and_store", diagnose_and_store, DiagnosisInputs, DiagnosisOptions)
 STUDY = Task("study_and_store", study_and_store, StudyInputs, StudyPlan)
 
 TASKS: Mapping[str, Callable[..., None]] = {
-    task.name: task for task in (MEASUREMENT, EXTRACTION, UPDATE, DIAGNOSIS, STUDY)
+    task.name: task for task in (MEASUREMENT, SEALED_MEASUREMENT, EXTRACTION, UPDATE, DIAGNOSIS, STUDY)
 }
 SHARES_BY_TASK: Mapping[str, Shares[Any, Any]] = {STUDY.name: Shares(STUDY, count_runs, run_of_study)}

@@ -5,6 +5,7 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from typing import Any, Protocol, TypeVar
 
+from modallab.assignments.terms import AssignmentTerms
 from modallab.core.errors import ModalLabError
 from modallab.core.place import EffectSpec
 from modallab.store.viewer import Viewer
@@ -69,6 +70,17 @@ class Truth:
     """Structure that was tested."""
     effects: tuple[EffectSpec, ...]
     """Effects beside those of the structure and the rig."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A measurement of an assignment."""
+
+    assignment_id: str
+    student: str
+    """Id of the student's key."""
+    number: int
+    """Number of the student's measurement, from 1 on."""
 
 
 class Shelf(Protocol[T]):
@@ -149,6 +161,26 @@ class TruthShelf(Protocol):
         """Return how a measurement was made, to its owner; to others it is not found."""
         ...
 
+    def holds(self, measurement_id: str) -> bool:
+        """Tell whether it is known how a measurement was made: it was made here."""
+        ...
+
+
+class TrialShelf(Protocol):
+    """Which measurements belong to which assignment."""
+
+    def fulfil(self, trial: Trial, measurement_id: str) -> None:
+        """Enter the measurement of a trial."""
+        ...
+
+    def assignments_of(self, measurement_ids: Sequence[str]) -> Mapping[str, AssignmentTerms]:
+        """Return the assignments of those measurements that belong to one."""
+        ...
+
+    def of_class(self, class_id: str) -> Mapping[str, AssignmentTerms]:
+        """Return the assignments of all measurements of a class by the measurements' ids."""
+        ...
+
 
 class Store(Protocol):
     """Everything that is kept."""
@@ -163,9 +195,15 @@ class Store(Protocol):
     studies: Shelf[Any]
     diagnoses: Shelf[Any]
     truths: TruthShelf
+    trials: TrialShelf
 
     def as_seen_by(self, viewer: Viewer) -> "Store":
         """Return the store in which only what is there for the viewer exists."""
+        ...
+
+    @property
+    def unrestricted(self) -> "Store":
+        """The store as the service itself sees it."""
         ...
 
     def weight(self, ids: Sequence[str], array_bytes: float, *, origins: bool) -> float:

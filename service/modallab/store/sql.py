@@ -20,6 +20,7 @@ from modallab.store.codec import CODECS, Codec
 from modallab.store.npz import pack, unpack
 from modallab.store.plain import from_plain, to_plain
 from modallab.store.tables import LINKS, THINGS, TRUTHS
+from modallab.store.trials import SqlTrials
 from modallab.store.viewer import EVERYONE, Viewer, manageable, readable
 from modallab.store.weights import weight_of
 
@@ -215,6 +216,12 @@ class SqlTruths:
             )
         return from_plain(Truth, row.body, {})
 
+    def holds(self, measurement_id: str) -> bool:
+        """Tell whether it is known how a measurement was made."""
+        query = sa.select(TRUTHS.c.measurement_id).where(TRUTHS.c.measurement_id == measurement_id)
+        with self._connect() as connection:
+            return connection.execute(query).first() is not None
+
 
 class SqlStore:
     """Everything that is kept, in a database and a place for array files, as a viewer sees it."""
@@ -230,6 +237,7 @@ class SqlStore:
         self.studies = self._shelf("study")
         self.diagnoses = self._shelf("diagnosis")
         self.truths = SqlTruths(connect)
+        self.trials = SqlTrials(connect)
 
     def _shelf(self, kind: str) -> SqlShelf[Any]:
         return SqlShelf(kind, CODECS[kind], self._connect, self._files, self._viewer)
@@ -237,6 +245,11 @@ class SqlStore:
     def as_seen_by(self, viewer: Viewer) -> "SqlStore":
         """Return the store in which only what is there for the viewer exists."""
         return self if viewer == self._viewer else SqlStore(self._connect, self._files, viewer)
+
+    @property
+    def unrestricted(self) -> "SqlStore":
+        """The store as the service itself sees it."""
+        return self.as_seen_by(EVERYONE)
 
     def weight(self, ids: Sequence[str], array_bytes: float, *, origins: bool) -> float:
         """Return the bytes of things, with `origins` of what they were made from, too; arrays count less."""

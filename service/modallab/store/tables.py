@@ -124,3 +124,39 @@ SESSIONS = sa.Table(
     sa.Column("key_id", sa.ForeignKey("keys.id"), nullable=False, index=True),
     sa.Column("expires", sa.String(40), nullable=False),
 )
+
+# Closed and never removed: measurements of an assignment stay sealed.
+ASSIGNMENTS = sa.Table(
+    "assignments",
+    METADATA,
+    sa.Column("id", sa.String(64), primary_key=True),
+    sa.Column("class_id", sa.ForeignKey("classes.id"), nullable=False, index=True),
+    sa.Column("owner", sa.String(64), nullable=False),
+    sa.Column("structure_id", sa.ForeignKey("things.id"), nullable=False, index=True),
+    sa.Column("created", sa.String(40), nullable=False),
+    sa.Column("closed", sa.String(40)),
+    sa.Column("secret", sa.String(64), nullable=False),  # of all draws and seeds
+    sa.Column("body", sa.JSON, nullable=False),
+)
+
+# Measurements of assignments. A student cannot remove one, and so upload it as if it came from elsewhere.
+TRIALS = sa.Table(
+    "trials",
+    METADATA,
+    sa.Column("assignment_id", sa.ForeignKey("assignments.id"), primary_key=True),
+    sa.Column("student", sa.String(64), primary_key=True),
+    sa.Column("number", sa.Integer, primary_key=True),
+    sa.Column("request_key", sa.String(128)),
+    sa.Column("measurement_id", sa.ForeignKey("things.id"), index=True, unique=True),  # null until it is made
+)
+
+SUBMISSIONS = sa.Table(
+    "submissions",
+    METADATA,
+    sa.Column("assignment_id", sa.ForeignKey("assignments.id"), primary_key=True),
+    sa.Column("student", sa.String(64), primary_key=True),
+    sa.Column("number", sa.Integer, primary_key=True),
+    sa.Column("created", sa.String(40), nullable=False),
+    sa.Column("answer", sa.JSON, nullable=False),
+    sa.Column("marks", sa.JSON, nullable=False),
+)

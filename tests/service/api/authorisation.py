@@ -105,6 +105,7 @@ def fill(school: School) -> None:
     ids["diagnosis"] = school.service.app.state.store.diagnoses.add(
         diagnosis(), owner=ids["student"], inputs=made_from
     )
+    ids["assignment"] = new_assignment(school)
     ids["share"] = throwaway(school, "structures")
     school.service.app.state.classes.share(ids["class"], ids["share"], viewer=EVERYONE)
 
@@ -159,3 +160,30 @@ def new_share(school: School) -> str:
     structure = throwaway(school, "structures")
     school.service.app.state.classes.share(school.ids["class"], structure, viewer=EVERYONE)
     return structure
+
+
+def assignment(class_id: str) -> dict[str, Any]:
+    """Return the body of an assignment with one drawn mass."""
+    mass = {
+        "kind": "extra_mass",
+        "at": {"one_of": ["2:+Y", "7:+Y"]},
+        "parameters": {"mass": {"between": [0.05, 0.2]}},
+    }
+    return {
+        "class_id": class_id,
+        "title": "Find the mass",
+        "structure": BEAM,
+        "rig": RIG,
+        "hidden": [mass],
+        "choices": {"drive": {"one_of": ["1:+Y", "9:+Y"]}, "analyser.averages": {"between": [5, 50]}},
+        "quota": 3,
+        "submissions": 2,
+    }
+
+
+def new_assignment(school: School) -> str:
+    """Return the id of one more assignment of the class."""
+    body = assignment(school.ids["class"])
+    reply = school.send("instructor", "POST", "/v1/assignments", json=body)
+    assert reply.status_code == 201, reply.text
+    return str(reply.json()["id"])

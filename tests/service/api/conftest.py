@@ -1,7 +1,8 @@
 """The service in this process: its jobs at once, its data in a folder of the test's own."""
 
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 import httpx
@@ -11,6 +12,7 @@ from fastapi import FastAPI
 
 from modallab.api.app import create_app, job_book
 from modallab.api.settings import ServiceSettings
+from modallab.jobs import sealing
 from modallab.jobs.inline import InlineRunner
 
 
@@ -53,19 +55,33 @@ class Service:
 
 
 @pytest.fixture(scope="module")
+def unpadded() -> Iterator[None]:
+    """Measurements of assignments that end when they are done."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sealing, "SEALING", replace(sealing.SEALING, step=0.0))
+        yield
+
+
+@pytest.fixture(scope="module")
 def settings(tmp_path_factory: pytest.TempPathFactory) -> ServiceSettings:
     """Settings of a service with an empty folder."""
     return ServiceSettings(data=tmp_path_factory.mktemp("data"))
 
 
+@contextmanager
+def service_of(settings: ServiceSettings) -> Iterator[Service]:
+    """Return a service with the data of the settings, its jobs at once."""
+    settings.store_place.prepare()
+    app = create_app(settings, InlineRunner(job_book(settings), settings.store_place))
+    with start_blocking_portal() as portal:
+        yield Service(app, portal)
+
+
 @pytest.fixture(scope="module")
 def service(settings: ServiceSettings) -> Iterator[Service]:
     """A service with nothing in it, the same for the tests of a file."""
-    settings.store_place.prepare()
-    app = create_app(settings, InlineRunner(job_book(settings), settings.store_place))
-    with ExitStack() as stack:
-        portal = stack.enter_context(start_blocking_portal())
-        yield Service(app, portal)
+    with service_of(settings) as running:
+        yield running
 
 
 @pytest.fixture(scope="module")

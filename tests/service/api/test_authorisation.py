@@ -20,7 +20,9 @@ from tests.service.api.authorisation import (
     POINTS,
     RIG,
     School,
+    assignment,
     fill,
+    new_assignment,
     new_class,
     new_member,
     new_share,
@@ -29,6 +31,7 @@ from tests.service.api.authorisation import (
     throwaway,
 )
 
+pytestmark = pytest.mark.usefixtures("unpadded")
 DOCUMENT = json.loads((Path(__file__).parents[3] / "docs" / "openapi.json").read_text(encoding="utf-8"))
 OPERATIONS = {
     operation["operationId"]: (method.upper(), path) for path, method, operation in operations(DOCUMENT)
@@ -70,6 +73,11 @@ def anyone(status: int = 200, **more: Any) -> Row:
 def teachers(status: int = 200, **more: Any) -> Row:
     """Return the row of what is for instructors, of their own classes, and for administrators."""
     return Row((401, 403, 403, status, status, 401, 401), owner=403, **more)
+
+
+def of_class(status: int = 200, **more: Any) -> Row:
+    """Return the row of what is for all members of a class, its instructor and administrators."""
+    return Row((401, 404, status, status, status, 401, 401), owner=status, **more)
 
 
 def removal(shelf: str) -> Row:
@@ -234,6 +242,14 @@ ROWS: dict[str, Row] = {
     "add_listed_members": teachers(201, id=new_class, form=listed),
     "share_with_class": teachers(201, id="class", body=lambda ids: {"resource_id": ids["share"]}),
     "withdraw_from_class": teachers(204, id="class", paths={"resource_id": new_share}),
+    # assignments: of the class
+    "create_assignment": teachers(201, body=lambda ids: assignment(ids["class"])),
+    "list_assignments": anyone(),
+    "get_assignment": of_class(id="assignment"),
+    "close_assignment": teachers(204, id=new_assignment),
+    "start_assignment_measurement": of_class(202, id=new_assignment, body=of()),
+    "submit_answer": of_class(201, id=new_assignment, body=of()),
+    "get_marks": of_class(id="assignment"),
     "get_session": anyone(),
     "delete_session": anyone(204),
     # for whoever has a key that counts

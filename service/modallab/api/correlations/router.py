@@ -7,9 +7,10 @@ from starlette.responses import Response
 
 from modallab.api import array_tables
 from modallab.api.arrays import ArraysFormatDep
+from modallab.api.assignments.seal import check_may_diagnose
 from modallab.api.correlations.replies import CorrelationReply, correlation_arrays, correlation_reply
 from modallab.api.correlations.schemas import CorrelationIn
-from modallab.api.deps import IdPath, OwnerDep, StoreDep
+from modallab.api.deps import IdPath, StoreDep, ViewerDep
 from modallab.api.examples import examples
 from modallab.api.offloading.route import OffloadedRoute
 from modallab.api.reductions import check_size, reduction_in
@@ -34,8 +35,10 @@ _BODY = examples(
 @router.post(
     "", status_code=status.HTTP_201_CREATED, response_model=CorrelationReply, summary="Create a correlation"
 )
-def create_correlation(body: Annotated[CorrelationIn, _BODY], store: StoreDep, owner: OwnerDep) -> Any:
+def create_correlation(body: Annotated[CorrelationIn, _BODY], store: StoreDep, viewer: ViewerDep) -> Any:
     """Return the correlation of measured modes, and of measured FRFs if given, with a structure."""
+    if body.measurement_id is not None:
+        check_may_diagnose(store, viewer, [body.measurement_id])
     reduction = None if body.reduction is None else reduction_in(body.reduction)
     system = as_modelled(store.structures.get(body.structure_id))
     measured = store.modal_models.get(body.modal_model_id)
@@ -50,7 +53,7 @@ def create_correlation(body: Annotated[CorrelationIn, _BODY], store: StoreDep, o
         if body.measurement_id is None
         else body.lines_of(store.measurements.get(body.measurement_id).frf),
     )
-    stored = store.correlations.add(correlation, owner=owner, inputs=body.inputs)
+    stored = store.correlations.add(correlation, owner=viewer.owner, inputs=body.inputs)
     return correlation_reply(correlation, store.correlations.entry(stored))
 
 

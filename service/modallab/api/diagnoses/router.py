@@ -8,7 +8,8 @@ from starlette.responses import HTMLResponse, Response
 
 from modallab.api import array_tables
 from modallab.api.arrays import ArraysFormatDep
-from modallab.api.deps import IdPath, JobsDep, OwnerDep, RequestKeyDep, SettingsDep, StoreDep
+from modallab.api.assignments.seal import check_may_act, check_may_diagnose
+from modallab.api.deps import IdPath, JobsDep, OwnerDep, RequestKeyDep, SettingsDep, StoreDep, ViewerDep
 from modallab.api.diagnoses.follow_ups import check_follow_ups
 from modallab.api.diagnoses.replies import Adoption, DiagnosisReply, diagnosis_reply
 from modallab.api.diagnoses.schemas import DiagnosisStart, ReportHeadingQuery
@@ -48,11 +49,16 @@ def start_diagnosis(
     body: Annotated[DiagnosisStart, example(_BODY)],
     store: StoreDep,
     jobs: JobsDep,
-    owner: OwnerDep,
+    viewer: ViewerDep,
     request_key: RequestKeyDep,
     settings: SettingsDep,
 ) -> Any:
     """Start a job that searches for the effects that a structure and a rig lack."""
+    check_may_diagnose(
+        store, viewer, [body.measurement_id, *(test.measurement_id for test in body.follow_ups)]
+    )
+    if body.act:
+        check_may_act(store, viewer, body.measurement_id)
     measurement = store.measurements.get(body.measurement_id)
     structure = store.structures.get(body.structure_id)
     check_comparable(structure, measurement)
@@ -64,9 +70,8 @@ def start_diagnosis(
     duration_of_solutions(n_dofs, n, "structure_id", n_dofs).check(settings.job_seconds)
     line_mask(measurement.frf.freq, options.bands, options.exclude)
     check_follow_ups(store, structure, body.measurement_id, body.follow_ups, act=body.act)
-    return job_reply(
-        jobs.submit(DIAGNOSIS.name, DIAGNOSIS.arguments(inputs, options), owner=owner, request=request_key)
-    )
+    arguments = DIAGNOSIS.arguments(inputs, options)
+    return job_reply(jobs.submit(DIAGNOSIS.name, arguments, owner=viewer.owner, request=request_key))
 
 
 @router.get("/{id}", summary="Get a diagnosis", response_model=DiagnosisReply)

@@ -7,7 +7,8 @@ from starlette.responses import Response
 
 from modallab.api import array_tables
 from modallab.api.arrays import ArraysFormatDep
-from modallab.api.deps import IdPath, JobsDep, OwnerDep, RequestKeyDep, SettingsDep, StoreDep
+from modallab.api.assignments.seal import check_may_diagnose
+from modallab.api.deps import IdPath, JobsDep, RequestKeyDep, SettingsDep, StoreDep, ViewerDep
 from modallab.api.examples import examples
 from modallab.api.jobs import JobReply, job_reply
 from modallab.api.offloading.route import OffloadedRoute
@@ -61,7 +62,7 @@ def start_update(
     ],
     store: StoreDep,
     jobs: JobsDep,
-    owner: OwnerDep,
+    viewer: ViewerDep,
     request_key: RequestKeyDep,
     settings: SettingsDep,
 ) -> Any:
@@ -74,9 +75,10 @@ def start_update(
     if body.modal_model_id is not None:
         store.modal_models.check(body.modal_model_id)
     if body.measurement_id is not None:
+        check_may_diagnose(store, viewer, [body.measurement_id])
         measurement = store.measurements.get(body.measurement_id)
         check_responses(structure, measurement, body.noise_floor, body.lines)
-    return job_reply(jobs.submit(UPDATE.name, arguments, owner=owner, request=request_key))
+    return job_reply(jobs.submit(UPDATE.name, arguments, owner=viewer.owner, request=request_key))
 
 
 @router.get("/{id}", response_model=UpdateReply, summary="Get an update")

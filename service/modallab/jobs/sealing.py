@@ -1,0 +1,142 @@
+"""Measurements of assignments: nothing about the job tells what is hidden."""
+
+import math
+import time
+from dataclasses import dataclass, replace
+
+from modallab.assignments.terms import AssignmentError
+from modallab.core.errors import CancelledError, InvalidInputError, ModalLabError
+from modallab.core.place import EffectSpec
+from modallab.core.progress import Progress
+from modallab.core.settings import Settings, setting
+from modallab.fe.structure import Structure
+from modallab.jobs.destination import Destination
+from modallab.jobs.durations import duration_of_stepped_measurement
+from modallab.jobs.measuring import MeasurementOptions, measured
+from modallab.rig.effect import Stage, build
+from modallab.rig.measure import Route
+from modallab.rig.measurement import Measurement
+from modallab.rig.setup import RigSetup
+from modallab.store.base import Store, Trial, Truth
+
+
+@dataclass(frozen=True)
+class SealingSettings(Settings):
+    """Times of measurements of assignments."""
+
+    step: float = setting(
+        5.0,
+        unit="s",
+        doc="step to which their durations are rounded up",
+        derived="well above the differences between effects of a linear test, 0.1 s",
+    )
+    solution: float = setting(
+        1.0,
+        unit="s",
+        doc="time of a nonlinear test before its first record",
+        derived="measured on one core: 0.7 s",
+    )
+    spare: float = setting(
+        2.0,
+        unit="1",
+        doc="ratio of the shortest duration to the estimate",
+        derived="other jobs on the same core",
+    )
+    look: float = setting(
+        0.5, unit="s", doc="time until a job that waits sees that it was cancelled", derived="as other jobs"
+    )
+
+
+SEALING = SealingSettings()
+_DECOY = "friction"  # takes about the mean time of the nonlinear effects
+
+
+@dataclass(frozen=True)
+class SealedInputs:
+    """What a measurement of an assignment is made from."""
+
+    structure_id: str
+    rig_id: str
+    assignment_id: str
+    student: str
+    """Id of the student's key."""
+    number: int
+    """Number of the student's measurement."""
+    instructor: str
+    """Id of the instructor's key, whose the truth is."""
+
+
+def measure_sealed_and_store(
+    store: Store, progress: Progress, into: Destination, inputs: SealedInputs, options: MeasurementOptions
+) -> None:
+    """Run the virtual test of an assignment; store the measurement without seed, and the instructor's truth.
+
+    Progress, errors and duration are the same whatever is hidden. The measurement is stored at the end, for
+    its entry tells when that was.
+    """
+    if store.measurements.holds(into.id):
+        return  # done by an attempt that died later
+    began = time.monotonic()
+    structure, setup = store.structures.get(inputs.structure_id), store.rigs.get(inputs.rig_id)
+    truth = Truth(inputs.structure_id, possible_effects(options.effects, structure, setup))
+    estimate = SEALING.solution + duration_of_stepped_measurement(setup, options.route).seconds
+
+    def mute(_fraction: float, _message: str) -> None:
+        progress(0.0, "measuring")
+
+    measurement: Measurement | None = None
+    try:
+        made = measured(store, mute, truth, setup, options.route, options.seed)
+        measurement = replace(made, seed=None)
+        _work_as_long(store, mute, truth, setup, options)
+    except CancelledError:
+        raise
+    except ModalLabError:  # told below, at the time at which a good one ends
+        pass
+    _wait(began, SEALING.spare * estimate, progress)
+    if measurement is None:
+        raise AssignmentError(
+            "the test cannot be carried out as chosen; choose another, or ask the instructor"
+        )
+    trial = Trial(inputs.assignment_id, inputs.student, inputs.number)
+    with store.together() as batch:
+        batch.measurements.add(measurement, owner=into.owner, inputs={"rig_id": inputs.rig_id}, id=into.id)
+        batch.truths.add(truth, measurement_id=into.id, owner=inputs.instructor)
+        batch.trials.fulfil(trial, into.id)
+
+
+def _work_as_long(
+    store: Store, progress: Progress, truth: Truth, setup: RigSetup, options: MeasurementOptions
+) -> None:
+    """Let a linear test take as much work as a nonlinear one: a busy machine stretches both alike."""
+    is_nonlinear = any(build(spec).stage is Stage.MOTION for spec in truth.effects)
+    if SEALING.step == 0 or is_nonlinear or options.route is not Route.SAMPLED:
+        return
+    decoy = EffectSpec(_DECOY, setup.drives[0].point)
+    changed = replace(truth, effects=(*truth.effects, decoy))
+    measured(store, progress, changed, setup, options.route, options.seed)
+
+
+def possible_effects(
+    effects: tuple[EffectSpec, ...], structure: Structure, setup: RigSetup
+) -> tuple[EffectSpec, ...]:
+    """Return the effects whose places exist in a test: those of others have no influence on it."""
+    return tuple(spec for spec in effects if _is_possible(spec, structure, setup))
+
+
+def _is_possible(spec: EffectSpec, structure: Structure, setup: RigSetup) -> bool:
+    try:
+        build(spec).check(structure, setup)
+    except InvalidInputError:
+        return False
+    return True
+
+
+def _wait(began: float, least: float, progress: Progress) -> None:
+    """Wait until the next step after the work, and at least as long as a nonlinear test may take."""
+    if SEALING.step == 0:
+        return
+    steps = math.ceil(max(time.monotonic() - began, least) / SEALING.step)
+    while (rest := began + steps * SEALING.step - time.monotonic()) > 0:
+        progress(0.0, "measuring")
+        time.sleep(min(rest, SEALING.look))

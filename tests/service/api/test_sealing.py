@@ -1,0 +1,198 @@
+"""Students cannot ask the service what an assignment hides from them."""
+
+import io
+import zipfile
+from typing import Any
+
+import numpy as np
+import pytest
+
+from modallab.core.errors import InvalidInputError
+from modallab.jobs import sealing
+from tests.service.api.authorisation import BEAM, RIG, School, open_school
+from tests.service.api.test_assignments import LATER, LONG_AGO, created, measurement
+
+pytestmark = pytest.mark.usefixtures("unpadded")
+NOWHERE = "0" * 24  # a model that is not there: what is allowed fails for it, which takes no time
+PARTS = {"macros": [[1, 2, 3, 4], [5, 6, 7, 8]], "parts": ["stiffness"]}
+
+
+@pytest.fixture(scope="module")
+def school(service: Any) -> School:
+    """Two classes."""
+    return open_school(service)
+
+
+@pytest.fixture(scope="module")
+def structure(school: School) -> str:
+    """The student's own model of the beam."""
+    return school.made("/v1/structures", BEAM)
+
+
+@pytest.fixture(scope="module")
+def off(school: School) -> str:
+    """A measurement of an assignment without diagnosis."""
+    return measurement(school, created(school)["id"])
+
+
+def diagnose(school: School, structure: str, id: str, caller: str = "student", **more: Any) -> Any:
+    """Return the reply to a diagnosis that has nothing to search."""
+    body = {"structure_id": structure, "measurement_id": id, "suspects": ["polarity"], "max_effects": 1}
+    return school.send(caller, "POST", "/v1/diagnoses", json=body | more)
+
+
+def refusal(reply: Any) -> tuple[int, str, str]:
+    problem = reply.json()
+    return reply.status_code, problem["code"], problem["context"]["field"]
+
+
+REFUSED = (422, "assignment", "measurement_id")
+
+
+def test_a_diagnosis_and_what_tells_the_same_are_refused(school: School, structure: str, off: str) -> None:
+    ids = {"structure_id": structure, "measurement_id": off}
+    assert refusal(diagnose(school, structure, off)) == REFUSED
+    model = school.made("/v1/modal-models", {"measurement_id": off, "method": "circle_fit", "n_modes": 3})
+    correlation = ids | {"modal_model_id": model}
+    assert refusal(school.send("student", "POST", "/v1/correlations", json=correlation)) == REFUSED
+    update = ids | {"method": "frf_residual", "parameterisation": PARTS}
+    assert refusal(school.send("student", "POST", "/v1/updates", json=update)) == REFUSED
+    # modes are what the exercise is about
+    pair = {"structure_id": structure, "modal_model_id": model}
+    assert school.send("student", "POST", "/v1/correlations", json=pair).status_code == 201
+
+
+def test_a_sealed_measurement_is_no_follow_up(school: School, structure: str, off: str) -> None:
+    rig = school.made("/v1/rigs", RIG)
+    own = school.made("/v1/measurements", {"structure_id": structure, "rig_id": rig})
+    reply = diagnose(school, structure, own, follow_ups=[{"measurement_id": off}])
+    assert refusal(reply) == REFUSED
+
+
+def test_the_instructor_may_diagnose_what_students_may_not(school: School, off: str) -> None:
+    assert diagnose(school, NOWHERE, off, "instructor").status_code == 404
+
+
+@pytest.mark.parametrize(
+    ("rule", "deadline", "status"),
+    [("on", None, 404), ("off", LONG_AGO, 422), ("after_deadline", LATER, 422)],
+)
+def test_the_rule_of_the_assignment_counts(
+    school: School, rule: str, deadline: str | None, status: int
+) -> None:
+    id = created(school, diagnosis=rule, deadline=LATER if deadline else None)["id"]
+    made = measurement(school, id)
+    assert diagnose(school, NOWHERE, made).status_code == status
+
+
+def test_after_the_deadline_a_diagnosis_is_allowed(school: School, monkeypatch: pytest.MonkeyPatch) -> None:
+    made = measurement(school, created(school, diagnosis="after_deadline", deadline=LATER)["id"])
+    monkeypatch.setattr("modallab.api.assignments.seal.now", lambda: "2040-01-01T00:00:01.000000+00:00")
+    assert diagnose(school, NOWHERE, made).status_code == 404
+
+
+def test_no_test_of_an_assignment_and_none_of_others_is_repeated(school: School, structure: str) -> None:
+    sealed = measurement(school, created(school, diagnosis="on")["id"])
+    reply = diagnose(school, structure, sealed, act=True)
+    assert refusal(reply) == (422, "assignment", "act")
+    rig = school.made("/v1/rigs", RIG, "instructor")
+    beam = school.made("/v1/structures", BEAM, "instructor")
+    test = {"structure_id": beam, "rig_id": rig, "effects": [{"kind": "extra_mass", "at": "2:+Y"}]}
+    shared = school.made("/v1/measurements", test, "instructor")
+    path = f"/v1/classes/{school.ids['class']}/shares"
+    assert school.send("instructor", "POST", path, json={"resource_id": shared}).status_code == 201
+    assert diagnose(school, NOWHERE, shared).status_code == 404
+    assert refusal(diagnose(school, structure, shared, act=True)) == (422, "assignment", "act")
+
+
+def cut_and_rescaled(content: bytes) -> bytes:
+    """Return an archive of FRFs with half of the lines, in another unit."""
+    arrays = dict(np.load(io.BytesIO(content)))
+    n = len(arrays["freq"])
+    kept = {"freq": arrays["freq"][n // 4 : n // 2], "values": arrays["values"][n // 4 : n // 2] / 9.81}
+    file = io.BytesIO()
+    np.savez(file, **kept, outputs=arrays["outputs"], inputs=arrays["inputs"], kind=arrays["kind"])
+    return file.getvalue()
+
+
+@pytest.mark.parametrize("caller", ["student", "same class"])
+@pytest.mark.parametrize("form", ["frf.uff", "thesis.frf", "arrays", "arrays.h5", "cut"])
+def test_an_upload_of_a_sealed_measurement_is_recognised(
+    school: School, off: str, form: str, caller: str
+) -> None:
+    path = f"/v1/measurements/{off}/{'arrays' if form == 'cut' else form}"
+    content = school.send("student", "GET", path).content
+    if form == "cut":
+        content = cut_and_rescaled(content)
+    name = {"cut": "frf.npz", "arrays": "frf.npz"}.get(form, form)
+    data = {"averages": "100"} | ({"kind": "inertance"} if form == "thesis.frf" else {})
+    sent = {"files": {"file": (name, content)}, "data": data}
+    reply = school.send(caller, "POST", "/v1/measurements/import", **sent)
+    assert reply.status_code == 201, reply.text
+    model = school.made("/v1/structures", BEAM, caller)
+    refused = diagnose(school, model, reply.json()["id"], caller, noise_floor=0.01)
+    assert refusal(refused) == REFUSED
+
+
+def test_an_upload_of_a_test_of_ones_own_is_none(school: School, structure: str) -> None:
+    rig = school.made("/v1/rigs", RIG)
+    own = school.made("/v1/measurements", {"structure_id": structure, "rig_id": rig, "seed": 5})
+    content = school.send("student", "GET", f"/v1/measurements/{own}/arrays").content
+    reply = school.send(
+        "student",
+        "POST",
+        "/v1/measurements/import",
+        files={"file": ("frf.npz", content)},
+        data={"rig_id": rig},
+    )
+    assert diagnose(school, NOWHERE, reply.json()["id"], noise_floor=0.01).status_code == 404
+
+
+def test_an_error_of_the_test_is_one_sentence_whatever_is_hidden(
+    school: School, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    id = created(school)["id"]
+
+    def fail(*_: Any, **__: Any) -> None:
+        raise InvalidInputError("extra_mass cannot be at 7:+Y", field="at", value="7:+Y", allowed=["x"])
+
+    monkeypatch.setattr(sealing, "measured", fail)
+    reply = school.send("student", "POST", f"/v1/assignments/{id}/measurements", json={})
+    job = school.send("student", "GET", f"/v1/jobs/{reply.json()['id']}").json()
+    assert job["state"] == "failed"
+    assert job["error"]["detail"] == (
+        "the test cannot be carried out as chosen; choose another, or ask the instructor"
+    )
+    assert "7:+Y" not in str(job)
+    assert "extra_mass" not in str(job)
+
+
+def test_the_duration_is_a_multiple_of_the_step(school: School, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sealing, "SEALING", sealing.SealingSettings(step=2.0, solution=0.1))
+    id = created(school)["id"]
+    reply = school.send("student", "POST", f"/v1/assignments/{id}/measurements", json={})
+    job = school.send("student", "GET", f"/v1/jobs/{reply.json()['id']}").json()
+    assert (job["state"], job["fraction"]) == ("succeeded", 1.0)
+    begun, ended = (np.datetime64(job[name][:26]) for name in ("started", "ended"))
+    seconds = (ended - begun) / np.timedelta64(1, "s")
+    # storing the measurement takes some hundredths; on a busy machine more
+    assert 2.0 <= seconds < 3.0
+
+
+def test_an_effect_that_the_chosen_rig_has_no_place_for_does_not_act(school: School) -> None:
+    wire = {"kind": "polarity", "at": {"channels": ["4:+Y"]}}
+    choices = {"responses": {"one_of": ["1:+Y", "4:+Y", "9:+Y"]}}
+    id = created(school, hidden=[wire], choices=choices)["id"]
+    assert measurement(school, id, rig={"responses": ["1:+Y", "9:+Y"]})
+    assert measurement(school, id)
+
+
+def test_nobody_but_the_instructor_is_told_the_truth(school: School, off: str) -> None:
+    path = f"/v1/measurements/{off}/truth"
+    statuses = {caller: school.send(caller, "GET", path).status_code for caller in ("student", "instructor")}
+    assert statuses == {"student": 403, "instructor": 200}
+    assert school.send("other instructor", "GET", path).status_code == 404
+    assert school.send("instructor", "GET", path).json()["effects"][0]["kind"] == "extra_mass"
+    assert zipfile.is_zipfile(
+        io.BytesIO(school.send("student", "GET", f"/v1/measurements/{off}/arrays").content)
+    )
