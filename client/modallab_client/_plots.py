@@ -24,6 +24,7 @@ if TYPE_CHECKING:
         StabilisationChart,
         Study,
     )
+    from modallab_client.time_records import TimeRecords
 
 UNITS = {"receptance": "m/N", "mobility": "m/(s N)", "inertance": "m/(s² N)"}
 
@@ -53,6 +54,17 @@ def measurement(test: "Measurement") -> "tuple[Axes, Axes]":
     if test.coherence is not None:
         lower.plot(freq, test.coherence[positive].reshape(len(freq), -1), linewidth=0.7)
     lower.set(ylim=(0, 1.05), ylabel="coherence", xlabel="frequency, Hz")
+    return upper, lower
+
+
+def time_records(records: "TimeRecords", output: str | None, drive: str | None) -> "tuple[Axes, Axes]":
+    """Draw the first record of one FRF, force over response; return both axes."""
+    force, response = records.of(output, drive)
+    _, (upper, lower) = _pyplot().subplots(2, 1, sharex=True, layout="constrained")
+    upper.plot(records.time, force[0], "C3", linewidth=0.8)
+    lower.plot(records.time, response[0], "C0", linewidth=0.8)
+    upper.set_ylabel(f"force, {records.force_unit}")
+    lower.set(xlabel="time, s", ylabel="acceleration, m/s²")
     return upper, lower
 
 

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -241,3 +242,20 @@ def test_fits_charts_and_frfs_of_modes_come_back_to_be_drawn(here: ModalLab) -> 
     assert len(here.modal_models.get(left.id, details=["flags", "notes"]).modes) == 2
     with pytest.raises(errors.ClientError, match="no FRF at 5"):
         here.modal_models.fit(modes.id, mode=2, response="5:+Y")
+
+
+def test_the_guide_to_time_records_makes_the_measured_frf(
+    here: ModalLab, capsys: pytest.CaptureFixture[str]
+) -> None:
+    guide = (Path(__file__).parents[2] / "docs" / "rig.md").read_text()
+    code = guide.split("## Time records")[1].split("```python")[1].split("```")[0]
+    namespace = {"lab": here, "beam": here.structures.catalogue("chapter-5-beam")}
+    exec(code, namespace)
+    assert float(capsys.readouterr().out) < 1e-9  # rounding of two transforms
+    records: Any = namespace["records"]
+    assert records.time[-1] == pytest.approx(0.5 - 1 / records.sample_rate)  # of lines 2 Hz apart
+    assert "100 of each run" in records._repr_html_()
+    assert records.plot("7:+Y")[1].get_ylabel() == "acceleration, m/s²"
+    with pytest.raises(ValueError, match="no run has the response 2"):
+        records.of("2:+Y")
+    assert here.measurements.wav(namespace["test"])[:4] == b"RIFF"  # type: ignore[arg-type]

@@ -1046,6 +1046,8 @@ class Measurement(MeasurementMethods):
     """ids of the objects it was made from, by role"""
     n_lines: int
     """Number of frequency lines."""
+    n_records: int
+    """Number of time records of every run that were kept."""
     name: str
     """name, as its owner wrote it; a structure's own until then"""
     noise_floor: float | None
