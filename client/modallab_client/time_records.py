@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab_client import _plots, _tables
+from modallab_client import _frf_plots, _tables
 from modallab_client.models import FloatArray
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ class TimeRecords:
         ValueError
             If no run has such a response and such a force.
         """
-        return _plots.time_records(self, output, drive)
+        return _frf_plots.time_records(self, output, drive)
 
     def _repr_html_(self) -> str:
         n_records, n_samples, n_runs, _ = self.force.shape

@@ -18,7 +18,11 @@ from modallab_client.methods.measurements import (
 )
 from modallab_client.methods.modal_models import FrequencyInconsistencyMethods, ModalModelMethods
 from modallab_client.methods.rigs import RigMethods
-from modallab_client.methods.structures import StructureMethods, StructureModesMethods
+from modallab_client.methods.structures import (
+    StructureGeometryMethods,
+    StructureMethods,
+    StructureModesMethods,
+)
 from modallab_client.methods.studies import StudyMethods
 from modallab_client.methods.updates import (
     DirectionMethods,
@@ -1637,7 +1641,7 @@ class MemberNodes:
 
 
 @dataclass(frozen=True, kw_only=True)
-class StructureGeometry:
+class StructureGeometry(StructureGeometryMethods):
     """Geometry of a structure, with its free degrees of freedom."""
 
     comment: str

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from modallab_client import _plots, _tables
 from modallab_client._numbers import rounded
 from modallab_client._read import read_as
+from modallab_client._shapes import ShapePictures
 from modallab_client.models import ComplexArray, FloatArray
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ class FrequencyInconsistencyMethods:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class ModalModelMethods:
+class ModalModelMethods(ShapePictures):
     """Shapes, constants of each FRF, a table and a picture."""
 
     shapes: ComplexArray = field(repr=False)
