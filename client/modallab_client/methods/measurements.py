@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab_client import _frf_plots, _plots, _tables
+from modallab_client import _frames, _frf_plots, _plots, _tables
 from modallab_client._read import read_as
 from modallab_client.models import ComplexArray, FloatArray
 
@@ -95,6 +95,16 @@ class MeasurementMethods:
             If there is no such response or force.
         """
         return _frf_plots.nyquist(cast("Measurement", self), output, drive, band)
+
+    def to_xarray(self) -> Any:
+        """Return an `xarray.Dataset` of FRFs, coherence and auto spectra by `freq`, `output` and `input`.
+
+        Raises
+        ------
+        MissingExtraError
+            If xarray is not installed.
+        """
+        return _frames.measurement(cast("Measurement", self))
 
     def summary(self) -> str:
         """Return kind, size, lines, averages and median coherence in one sentence."""
