@@ -2,6 +2,8 @@
 
 import ast
 import json
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -14,6 +16,7 @@ from modallab_client import ModalLab
 
 COURSE = Path(__file__).parents[2] / "docs" / "course"
 SHEETS = sorted(COURSE.glob("*.ipynb"))
+PATHS = json.loads((COURSE.parent / "openapi.json").read_text(encoding="utf-8"))["paths"]
 Names = dict[str, Any]
 
 
@@ -228,3 +231,61 @@ def test_every_question_has_an_answer_in_the_key() -> None:
         assert [line.split(".")[0] for line in section.splitlines() if line[:1].isdigit()] == [
             str(number) for number in range(1, asked + 1)
         ], sheet.stem
+
+
+ASSIGNMENTS = json.loads((COURSE / "instructor" / "assignments.json").read_text(encoding="utf-8"))
+
+
+def test_every_sheet_has_an_assignment() -> None:
+    assert list(ASSIGNMENTS) == list(FACTS)
+
+
+@pytest.fixture(scope="module")
+def class_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[ModalLab, str, str]]:
+    """Yield the instructor's client of a server with keys, the id of a class, and a student's key."""
+    folder = tmp_path_factory.mktemp("class")
+    command = [sys.executable, "-m", "modallab", "keys", "create", "--role", "admin", "--name", "Laboratory"]
+    made = subprocess.run([*command, "--data", folder], capture_output=True, text=True, check=True)
+    with (
+        ModalLab.embedded(folder) as own,
+        ModalLab(own.base_url, api_key=made.stdout.strip()) as instructor,
+    ):
+        group = instructor.request("POST", "/v1/classes", json={"name": "Dynamics"})["id"]
+        path = f"/v1/classes/{group}/members"
+        reply = instructor.request("POST", path, json={"names": ["First Student"]})
+        yield instructor, group, reply["members"][0]["key"]
+
+
+@pytest.mark.skipif("/v1/assignments" not in PATHS, reason="this service has no assignments")
+@pytest.mark.parametrize("name", ASSIGNMENTS)
+def test_the_sealed_part_of_a_sheet_is_measured_and_marked(
+    name: str, class_server: tuple[ModalLab, str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    instructor, group, key = class_server
+    body = ASSIGNMENTS[name] | {"class_id": group}
+    made = instructor.request("POST", "/v1/assignments", json=body)
+    monkeypatch.setenv("MODALLAB_URL", instructor.base_url)
+    monkeypatch.setenv("MODALLAB_KEY", key)
+    monkeypatch.setenv("MODALLAB_ASSIGNMENT", made["id"])
+    first, *_, measured, answered, closed = cells(COURSE / f"{name}.ipynb", "code")
+    (hidden,) = body["hidden"]
+    answer = {"effects": [{"kind": hidden["kind"], **ANSWERS.get(hidden["kind"], {})}], "words": "seen"}
+    names: Names = {}
+    for source in (first, measured):
+        exec(source, names)
+    assert names["sealed"].outputs == tuple(body["rig"]["responses"])
+    assert names["sealed"].seed is None, "a seed would repeat the noise"
+    exec(answered.replace('{"effects": [], "coefficients": {}, "words": ""}', repr(answer)), names)
+    exec(closed, names)
+    (student,) = instructor.request("GET", f"/v1/assignments/{made['id']}/marks")["items"]
+    assert student["name"] == "First Student"
+    assert student["submission"]["marks"]["points"] >= 1, "the kind is right"
+
+
+# What a student may say of an effect whose place or size is needed: right kind, any place and size.
+ANSWERS: dict[str, Names] = {
+    "extra_mass": {"at": "5:+Y", "parameters": {"mass": 0.05}},
+    "force_transducer_mass": {"at": "1:+Y", "parameters": {"mass": 0.03}},
+    "stiffness_error": {"at": {"members": [7]}, "parameters": {"factor": 1.3}},
+    "loss_factor_error": {"at": {"members": [5]}, "parameters": {"factor": 4.0}},
+}
