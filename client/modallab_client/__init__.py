@@ -9,6 +9,7 @@ from modallab_client.correlation import Expansion, ReducedModel
 from modallab_client.errors import ClientError, JobFailedError, JobTimeoutError, PlausibilityWarning
 from modallab_client.methods.updates import Update
 from modallab_client.results import Correlation, Diagnosis, Measurement, ModalModel, Rig, Structure, Study
+from modallab_client.saving import load, save
 
 __all__ = [
     "AsyncJob",
@@ -30,4 +31,6 @@ __all__ = [
     "Study",
     "Update",
     "errors",
+    "load",
+    "save",
 ]

@@ -2,6 +2,7 @@
 
 import importlib.util
 import os
+import secrets
 import shutil
 import socket
 import subprocess
@@ -40,14 +41,14 @@ def serve_command() -> list[str]:
     return [sys.executable, "-m", "modallab", "serve"]
 
 
-def serve_environment(port: int, data: Path) -> dict[str, str]:
-    """Return the environment of a service of `data` on that loopback port.
+def serve_environment(port: int, data: Path, key: str) -> dict[str, str]:
+    """Return the environment of a service of `data` on that loopback port that knows this program's key.
 
     Settings meant for another service on this machine, such as its database, are left out.
     """
     inherited = {name: value for name, value in os.environ.items() if not name.startswith("MODALLAB_")}
     ours = {"MODALLAB_HOST": "127.0.0.1", "MODALLAB_PORT": str(port), "MODALLAB_DATA": str(data)}
-    return inherited | ours
+    return inherited | ours | {"MODALLAB_EMBEDDING_KEY": key}
 
 
 class ServiceProcess:
@@ -65,11 +66,12 @@ class ServiceProcess:
         folder = Path(temporary or data or "").resolve()
         folder.mkdir(parents=True, exist_ok=True)
         self.url = f"http://127.0.0.1:{port}"
+        self.key = secrets.token_urlsafe(32)  # lets this program in where the folder has keys
         self._log = folder / "service.log"
         with _lock(folder) as lock, self._log.open("wb") as log:
             self._process = subprocess.Popen(
                 [sys.executable, "-P", str(GUARDIAN), temporary, *serve_command()],
-                env=serve_environment(port, folder),
+                env=serve_environment(port, folder, self.key),
                 stdin=subprocess.PIPE,
                 stdout=log,
                 stderr=subprocess.STDOUT,

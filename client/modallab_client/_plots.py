@@ -28,18 +28,25 @@ if TYPE_CHECKING:
 UNITS = {"receptance": "m/N", "mobility": "m/(s N)", "inertance": "m/(s² N)"}
 
 
-def _pyplot() -> Any:
+def pyplot() -> Any:
+    """Return the module that draws.
+
+    Raises
+    ------
+    MissingExtraError
+        If matplotlib is not installed.
+    """
     try:
-        from matplotlib import pyplot
+        from matplotlib import pyplot as drawing
     except ImportError as error:
         raise MissingExtraError("drawing needs matplotlib: pip install 'modallab[plot]'") from error
-    return pyplot
+    return drawing
 
 
 def measurement(test: "Measurement") -> "tuple[Axes, Axes]":
     """Draw |H| of every FRF over the coherence; return both axes."""
     rows = {"height_ratios": [3, 1]}
-    _, (upper, lower) = _pyplot().subplots(2, 1, sharex=True, gridspec_kw=rows, layout="constrained")
+    _, (upper, lower) = pyplot().subplots(2, 1, sharex=True, gridspec_kw=rows, layout="constrained")
     positive = test.freq > 0  # at rest there is rounding and nothing else
     freq, magnitude = test.freq[positive], np.abs(test.values[positive])
     for i, output in enumerate(test.outputs):
@@ -58,7 +65,7 @@ def measurement(test: "Measurement") -> "tuple[Axes, Axes]":
 
 def modal_model(model: "ModalModel") -> "Axes":
     """Draw loss factor over frequency with standard deviations; return the axes."""
-    _, axes = _pyplot().subplots(layout="constrained")
+    _, axes = pyplot().subplots(layout="constrained")
     across = [m.frequency_spread.sd if m.frequency_spread else 0.0 for m in model.modes]
     up = [m.loss_factor_spread.sd if m.loss_factor_spread else 0.0 for m in model.modes]
     axes.errorbar(model.frequencies, model.loss_factors, xerr=across, yerr=up, fmt="o", capsize=3)
@@ -77,7 +84,7 @@ def frf(synthesised: "Frf", measured: "Measurement | None", output: str | None) 
     if measured is not None and measured.kind != synthesised.kind:
         raise ValueError(f"these are {synthesised.kind}, the measured ones {measured.kind}: ask for one kind")
     rows = {"height_ratios": [3, 1]}
-    _, (upper, lower) = _pyplot().subplots(2, 1, sharex=True, gridspec_kw=rows, layout="constrained")
+    _, (upper, lower) = pyplot().subplots(2, 1, sharex=True, gridspec_kw=rows, layout="constrained")
     outputs = synthesised.outputs if output is None else (output,)
     if measured is not None:
         parts.responses(upper, lower, measured, outputs, behind=True)
@@ -93,7 +100,7 @@ def fit(plot_data: "FitPlotData") -> "tuple[Axes, ...]":
     """Draw one fit: magnitude, Nyquist plot, and the plot particular to the method; return the axes."""
     from modallab_client import _extraction_plot as parts
 
-    figure = _pyplot().figure(figsize=(11, 4), layout="constrained")
+    figure = pyplot().figure(figsize=(11, 4), layout="constrained")
     first, second, third = figure.add_gridspec(1, 3, width_ratios=[1.1, 1, 1.1])
     size, turn = figure.add_subplot(first), figure.add_subplot(second)
     figure.suptitle(parts.heading(plot_data), fontsize="medium")
@@ -106,7 +113,7 @@ def indicators(functions: "Indicators") -> "tuple[Axes, Axes]":
     """Draw CMIF over MIF; return both axes."""
     from modallab_client import _extraction_plot as parts
 
-    _, (upper, lower) = _pyplot().subplots(2, 1, sharex=True, layout="constrained")
+    _, (upper, lower) = pyplot().subplots(2, 1, sharex=True, layout="constrained")
     parts.indicators(upper, lower, functions)
     return upper, lower
 
@@ -115,7 +122,7 @@ def chart(diagram: "StabilisationChart") -> "Axes":
     """Draw order over frequency by stability, modes and CMIF; return the axes."""
     from modallab_client import _extraction_plot as parts
 
-    _, axes = _pyplot().subplots(figsize=(9, 5), layout="constrained")
+    _, axes = pyplot().subplots(figsize=(9, 5), layout="constrained")
     parts.chart(axes, diagram)
     return axes  # type: ignore[no-any-return]
 
@@ -124,7 +131,7 @@ def mac(correlation: "Correlation") -> "Axes":
     """Draw the MAC matrix; return the axes."""
     from modallab_client import _correlation_plot as parts
 
-    figure, axes = _pyplot().subplots(layout="constrained")
+    figure, axes = pyplot().subplots(layout="constrained")
     figure.colorbar(parts.matrix(axes, correlation.mac), label="MAC")
     axes.set(xlabel="mode of the model", ylabel="measured mode")
     return axes  # type: ignore[no-any-return]
@@ -134,7 +141,7 @@ def coordinates(correlation: "Correlation") -> "tuple[Axes, Axes]":
     """Draw CoMAC over ECoMAC by DoF; return both axes."""
     from modallab_client import _correlation_plot as parts
 
-    _, (upper, lower) = _pyplot().subplots(2, 1, sharex=True, layout="constrained")
+    _, (upper, lower) = pyplot().subplots(2, 1, sharex=True, layout="constrained")
     parts.coordinates(upper, lower, correlation)
     return upper, lower
 
@@ -146,7 +153,7 @@ def orthogonality(correlation: "Correlation") -> "tuple[Axes, Axes]":
     orthogonality = correlation.orthogonality
     if orthogonality is None:
         raise ValueError("this correlation was made without a reduction of the mass")
-    figure, (cross_axes, auto_axes) = _pyplot().subplots(1, 2, figsize=(10, 4.5), layout="constrained")
+    figure, (cross_axes, auto_axes) = pyplot().subplots(1, 2, figsize=(10, 4.5), layout="constrained")
     image = parts.matrix(cross_axes, orthogonality.cross)
     figure.colorbar(
         image, ax=[cross_axes, auto_axes], label=f"orthogonality in {orthogonality.reduction} mass"
@@ -161,7 +168,7 @@ def fdac(correlation: "ResponseCorrelation", drive: str) -> "Axes":
     """Draw the FDAC of one input; return the axes."""
     from modallab_client import _correlation_plot as parts
 
-    figure, axes = _pyplot().subplots(layout="constrained")
+    figure, axes = pyplot().subplots(layout="constrained")
     figure.colorbar(parts.fdac(axes, correlation, drive), label="FDAC")
     return axes  # type: ignore[no-any-return]
 
@@ -170,14 +177,14 @@ def frac(correlation: "ResponseCorrelation") -> "Axes":
     """Draw the FRAC of every FRF; return the axes."""
     from modallab_client import _correlation_plot as parts
 
-    _, axes = _pyplot().subplots(layout="constrained")
+    _, axes = pyplot().subplots(layout="constrained")
     parts.frac(axes, correlation)
     return axes  # type: ignore[no-any-return]
 
 
 def dof_errors(errors: Mapping[str, Sequence[float]]) -> "Axes":
     """Draw the errors of each matrix by DoF, in order; return the axes."""
-    _, axes = _pyplot().subplots(layout="constrained")
+    _, axes = pyplot().subplots(layout="constrained")
     for matrix, values in errors.items():
         axes.semilogy(range(1, len(values) + 1), values, ".", label=matrix)
     axes.set(xlabel="DoF, by error", ylabel="relative error")
@@ -189,7 +196,7 @@ def coefficients(
     table: Mapping[str, Mapping[int, float]], standard_errors: Mapping[str, Mapping[int, float | None]]
 ) -> "Axes":
     """Draw coefficients by part and member with their standard errors; return the axes."""
-    _, axes = _pyplot().subplots(layout="constrained")
+    _, axes = pyplot().subplots(layout="constrained")
     width = 0.8 / max(1, len(table))
     for i, (part, members) in enumerate(table.items()):
         unchanged = 0.0 if part == "damping" else 1.0
@@ -211,7 +218,7 @@ def study(results: "Study") -> "tuple[Axes, ...]":
     """Draw errors, suspects and coverage by level of noise; return the axes."""
     from modallab_client import _study_plot as parts
 
-    _, grid = _pyplot().subplots(2, 2, figsize=(10, 7), sharex=True, layout="constrained")
+    _, grid = pyplot().subplots(2, 2, figsize=(10, 7), sharex=True, layout="constrained")
     parts.errors(grid[0, 0], results, lambda cell: cell.coefficient_error)
     parts.errors(grid[0, 1], results, lambda cell: cell.frequency_error)
     parts.shares(grid[1, 0], results, lambda cell: cell.suspected)
@@ -229,13 +236,13 @@ def diagnosis(result: "Diagnosis") -> "tuple[Axes, ...]":
     """Draw the gap by step, and the measured and predicted curves if there are any; return the axes."""
     from modallab_client import _diagnosis_plot as parts
 
-    pyplot = _pyplot()
+    drawing = pyplot()
     if result.curves is None:
-        _, axes = pyplot.subplots(layout="constrained")
+        _, axes = drawing.subplots(layout="constrained")
         parts.gap_by_step(axes, result)
         axes.set_title(parts.heading(result))
         return (axes,)
-    figure, grid = pyplot.subplots(2, 2, figsize=(11, 7), layout="constrained")
+    figure, grid = drawing.subplots(2, 2, figsize=(11, 7), layout="constrained")
     figure.suptitle(parts.heading(result))
     parts.gap_by_step(grid[0, 0], result)
     frfs = result.curves.by_frf()
@@ -246,7 +253,7 @@ def diagnosis(result: "Diagnosis") -> "tuple[Axes, ...]":
 
 def curves(all_curves: "DiagnosisCurves", output: str, drive: str) -> "Axes":
     """Draw one response of a diagnosis to the force at one drive point; return the axes."""
-    _, axes = _pyplot().subplots(layout="constrained")
+    _, axes = pyplot().subplots(layout="constrained")
     frfs = all_curves.by_frf()
     i = list(zip(frfs.outputs, frfs.inputs, strict=True)).index((output, drive))
     positive = frfs.freq > 0  # at rest there is rounding and nothing else

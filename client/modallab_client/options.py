@@ -17,6 +17,11 @@ class MeasurementOptions(TypedDict, total=False):
         "records: expected, drawn, sampled",
     ]
     seed: Annotated[int, "seed of the random numbers"]
+    records: Annotated[
+        int,
+        "number of time records of every run that are kept, at most as many as averages; of the route "
+        "`sampled`, records",
+    ]
 
 
 class ExtractionOptions(TypedDict, total=False):

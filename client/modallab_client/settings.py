@@ -60,6 +60,24 @@ class PlotSettings:
 
 
 @dataclass(frozen=True)
+class ShapePlotSettings:
+    """Pictures of structures and mode shapes."""
+
+    size: float = 0.12
+    """largest motion over the diagonal of the structure"""
+    margin: float = 0.05
+    """share of a side that stays free beside the structure"""
+    frames: int = 24
+    """pictures of one cycle"""
+    rate: int = 20
+    """pictures in a second"""
+    numbered_nodes: int = 24
+    """nodes with their numbers, about"""
+    hold: float = 1e-9
+    """1/m, spring to the ground of nodes that are connected to none whose motion is known"""
+
+
+@dataclass(frozen=True)
 class DiagnosisPlotSettings:
     """Plots of a diagnosis."""
 
@@ -84,4 +102,5 @@ class DiagnosisPlotSettings:
 CONNECTION = ConnectionSettings()
 EMBEDDED = EmbeddedSettings()
 PLOT = PlotSettings()
+SHAPE_PLOT = ShapePlotSettings()
 DIAGNOSIS_PLOT = DiagnosisPlotSettings()

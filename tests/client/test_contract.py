@@ -6,11 +6,13 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from matplotlib import pyplot
 
-from modallab_client import AsyncModalLab, ModalLab, errors
+from modallab_client import AsyncModalLab, ModalLab, errors, load
 
 # The example of the contract, a script like any user's: no main guard, nothing set up.
 EXAMPLE = """
@@ -241,3 +243,40 @@ def test_fits_charts_and_frfs_of_modes_come_back_to_be_drawn(here: ModalLab) -> 
     assert len(here.modal_models.get(left.id, details=["flags", "notes"]).modes) == 2
     with pytest.raises(errors.ClientError, match="no FRF at 5"):
         here.modal_models.fit(modes.id, mode=2, response="5:+Y")
+
+
+def test_the_guide_to_time_records_makes_the_measured_frf(
+    here: ModalLab, capsys: pytest.CaptureFixture[str]
+) -> None:
+    guide = (Path(__file__).parents[2] / "docs" / "rig.md").read_text()
+    code = guide.split("## Time records")[1].split("```python")[1].split("```")[0]
+    namespace = {"lab": here, "beam": here.structures.catalogue("chapter-5-beam")}
+    exec(code, namespace)
+    assert float(capsys.readouterr().out) < 1e-9  # rounding of two transforms
+    records: Any = namespace["records"]
+    assert records.time[-1] == pytest.approx(0.5 - 1 / records.sample_rate)  # of lines 2 Hz apart
+    assert "100 of each run" in records._repr_html_()
+    assert records.plot("7:+Y")[1].get_ylabel() == "acceleration, m/s²"
+    with pytest.raises(ValueError, match="no run has the response 2"):
+        records.of("2:+Y")
+    assert here.measurements.wav(namespace["test"])[:4] == b"RIFF"  # type: ignore[arg-type]
+
+
+def test_the_guide_to_results_makes_its_pictures_files_and_tables(
+    here: ModalLab, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pyplot.switch_backend("agg")
+    monkeypatch.chdir(tmp_path)
+    guide = (Path(__file__).parents[2] / "docs" / "client.md").read_text(encoding="utf-8")
+    names: dict[str, Any] = {"lab": here}
+    for block in re.findall(r"```python\n(.*?)```", guide, re.DOTALL):
+        exec(block, names)
+    for call in re.findall(r"^\| `((?:layout|test|modes)\.[^`]*)`", guide, re.MULTILINE):
+        assert eval(call, names) is not None
+    pyplot.close("all")
+    assert {path.name for path in tmp_path.iterdir()} == {"mode-2.gif", "mode-2.png", "modes.npz"}
+    assert load("modes.npz").table() == names["modes"].table()
+    assert names["modes"].table() in capsys.readouterr().out
+    assert names["table"].frequency[2] == names["modes"].modes[1].frequency
+    assert float(names["frfs"].coherence.sel(output="7:+Y", freq=100.0)) == pytest.approx(1.0)
+    np.testing.assert_array_equal(names["again"].values, names["test"].values)

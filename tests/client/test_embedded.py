@@ -119,10 +119,10 @@ def test_a_service_that_dies_is_reported_with_its_log(tmp_path: Path) -> None:
 
 def test_settings_of_another_service_stay_out(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("MODALLAB_DATABASE_URL", "postgresql://elsewhere/lab")
-    given = _embedded.serve_environment(8123, tmp_path)
+    given = _embedded.serve_environment(8123, tmp_path, "own")
     ours = {name: value for name, value in given.items() if name.startswith("MODALLAB_")}
     wanted = {"MODALLAB_HOST": "127.0.0.1", "MODALLAB_PORT": "8123", "MODALLAB_DATA": str(tmp_path)}
-    assert ours == wanted
+    assert ours == wanted | {"MODALLAB_EMBEDDING_KEY": "own"}
 
 
 def test_without_the_service_packages_the_command_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -157,3 +157,20 @@ def test_it_ends_with_its_user_whatever_ends_the_user(tmp_path: Path, end: str) 
             user.kill()
     grandchild = int((tmp_path / "pids").read_text())
     assert soon(lambda: not alive(grandchild))
+
+
+def test_a_folder_with_keys_lets_the_embedding_program_in_and_nobody_else(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "modallab", "keys", "create", "--role", "admin", "--name", "Laboratory"]
+    made = subprocess.run(
+        [*command, "--data", tmp_path], capture_output=True, text=True, check=True, timeout=60
+    )
+    with ModalLab.embedded(tmp_path) as lab:
+        assert lab.structures.catalogue("bay").n_nodes == 30
+        with ModalLab(lab.base_url, api_key=made.stdout.strip()) as admin:
+            assert admin.structures.list()[0].owner == "local"
+        for key in ("", "guessed"):
+            stranger = ModalLab(lab.base_url, api_key=key)
+            with pytest.raises(errors.ClientError) as caught:
+                stranger.structures.list()
+            assert caught.value.status == 401
+            stranger.close()

@@ -86,7 +86,7 @@ class AsyncModalLab:
         """
         require_service()
         service = ServiceProcess(data)
-        lab = cls(service.url, api_key="", timeout=timeout)  # a key of the environment is another service's
+        lab = cls(service.url, api_key=service.key, timeout=timeout)
         lab._transport.accompany(service)
         return lab
 

@@ -9,7 +9,7 @@ from modallab_client._async.modal_models import AsyncModalModels
 from modallab_client._plausibility import warned
 from modallab_client.correlation import Expansion, ReducedModel
 from modallab_client.models import Frf, ModeShapes
-from modallab_client.results import ModalModel, Structure, StructureModes
+from modallab_client.results import ModalModel, Structure, StructureGeometry, StructureModes
 from modallab_client.stored import Identified, id_of
 
 JsonObject = Mapping[str, Any]
@@ -165,6 +165,11 @@ class AsyncStructures(AsyncDescribed):
         query = {"masters": list(masters), "kind": kind, **parameters}
         arrays = await self._transport.npz(f"{self.path}/{id_of(structure_id)}/reduced", query)
         return _wire.read(_wire_correlation.reduced, arrays)
+
+    async def layout(self, structure_id: Identified) -> StructureGeometry:
+        """Return nodes, members and free degrees of freedom."""
+        path = f"{self.path}/{id_of(structure_id)}/geometry"
+        return _wire.reply(StructureGeometry, await self._transport.request("GET", path))
 
     async def geometry(self, structure_id: Identified) -> bytes:
         """Return nodes and members as a universal file (datasets 15 and 82)."""

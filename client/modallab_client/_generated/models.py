@@ -18,7 +18,11 @@ from modallab_client.methods.measurements import (
 )
 from modallab_client.methods.modal_models import FrequencyInconsistencyMethods, ModalModelMethods
 from modallab_client.methods.rigs import RigMethods
-from modallab_client.methods.structures import StructureMethods, StructureModesMethods
+from modallab_client.methods.structures import (
+    StructureGeometryMethods,
+    StructureMethods,
+    StructureModesMethods,
+)
 from modallab_client.methods.studies import StudyMethods
 from modallab_client.methods.updates import (
     DirectionMethods,
@@ -1184,6 +1188,8 @@ class Measurement(MeasurementMethods):
     """ids of the objects it was made from, by role"""
     n_lines: int
     """Number of frequency lines."""
+    n_records: int
+    """Number of time records of every run that were kept."""
     name: str
     """name, as its owner wrote it; a structure's own until then"""
     noise_floor: float | None
@@ -1773,7 +1779,7 @@ class MemberNodes:
 
 
 @dataclass(frozen=True, kw_only=True)
-class StructureGeometry:
+class StructureGeometry(StructureGeometryMethods):
     """Geometry of a structure, with its free degrees of freedom."""
 
     comment: str

@@ -21,6 +21,7 @@ from modallab_client.results import (
     Truth,
 )
 from modallab_client.stored import Identified, id_of
+from modallab_client.time_records import TimeRecords, time_records_of
 from modallab_client.uploads import UploadOptions, upload_files, upload_form
 
 JsonObject = Mapping[str, Any]
@@ -44,8 +45,8 @@ class Measurements(Shelf):
         structure_id, rig_id
             What is tested, and with what.
         options
-            Options of the test: `effects`, `[{"kind", "at", "parameters"}]`, `route` and `seed`. Their
-            meaning: `modallab_client.options.MeasurementOptions`.
+            Options of the test: `effects`, `[{"kind", "at", "parameters"}]`, `route`, `seed`, and `records`,
+            how many time records are kept. Their meaning: `modallab_client.options.MeasurementOptions`.
         """
         given = _wire.body(**options)
         effects = [*given.pop("effects", ())]  # of any sequence
@@ -123,6 +124,17 @@ class Measurements(Shelf):
             f"/v1/measurements/{id_of(measurement_id)}/arrays", _wire.body(kind=kind)
         )
         return _wire.read(measurement_of, about, arrays)
+
+    def records(self, measurement_id: Identified) -> TimeRecords:
+        """Return the time records that a measurement kept, started with `records=n`."""
+        path = f"{self.path}/{id_of(measurement_id)}/records"
+        return _wire.read(time_records_of, self._transport.npz(path))
+
+    def wav(self, measurement_id: Identified) -> bytes:
+        """Return the time records as a sound file: all channels side by side, forces first."""
+        path = f"{self.path}/{id_of(measurement_id)}/records"
+        content: bytes = self._transport.request("GET", path, params={"format": "wav"})
+        return content
 
     def _made(self, measurement_id: str) -> Measurement:
         """Return a new measurement, and warn of what looks like a slip."""

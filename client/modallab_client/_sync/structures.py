@@ -9,7 +9,7 @@ from modallab_client._sync.described import Described
 from modallab_client._sync.modal_models import ModalModels
 from modallab_client.correlation import Expansion, ReducedModel
 from modallab_client.models import Frf, ModeShapes
-from modallab_client.results import ModalModel, Structure, StructureModes
+from modallab_client.results import ModalModel, Structure, StructureGeometry, StructureModes
 from modallab_client.stored import Identified, id_of
 
 JsonObject = Mapping[str, Any]
@@ -165,6 +165,11 @@ class Structures(Described):
         query = {"masters": list(masters), "kind": kind, **parameters}
         arrays = self._transport.npz(f"{self.path}/{id_of(structure_id)}/reduced", query)
         return _wire.read(_wire_correlation.reduced, arrays)
+
+    def layout(self, structure_id: Identified) -> StructureGeometry:
+        """Return nodes, members and free degrees of freedom."""
+        path = f"{self.path}/{id_of(structure_id)}/geometry"
+        return _wire.reply(StructureGeometry, self._transport.request("GET", path))
 
     def geometry(self, structure_id: Identified) -> bytes:
         """Return nodes and members as a universal file (datasets 15 and 82)."""

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab_client import _plots, _tables
+from modallab_client import _frames, _plots, _tables
 from modallab_client._numbers import rounded
 from modallab_client._read import read_as
+from modallab_client._shapes import ShapePictures
 from modallab_client.models import ComplexArray, FloatArray
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ class FrequencyInconsistencyMethods:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class ModalModelMethods:
+class ModalModelMethods(ShapePictures):
     """Shapes, constants of each FRF, a table and a picture."""
 
     shapes: ComplexArray = field(repr=False)
@@ -114,6 +115,16 @@ class ModalModelMethods:
             for pole in self.doubtful
         ]
         return ("doubtful, Hz", "loss factor", "reason"), rows
+
+    def to_pandas(self) -> Any:
+        """Return a `pandas.DataFrame` with one row a mode.
+
+        Raises
+        ------
+        MissingExtraError
+            If pandas is not installed.
+        """
+        return _frames.modes(cast("ModalModel", self))
 
     def plot(self) -> "Axes":
         """Draw loss factor over frequency, with the standard deviations over the FRFs; return the axes.

@@ -1,13 +1,15 @@
 """Structures: their size, and a table of computed modes."""
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, cast
 
 from modallab_client import _tables
 from modallab_client.models import FloatArray
 
 if TYPE_CHECKING:
-    from modallab_client._generated.models import PhysicsWarning
+    from matplotlib.axes import Axes
+
+    from modallab_client._generated.models import MemberNodes, PhysicsWarning, StructureGeometry
 
 
 class StructureMethods:
@@ -37,6 +39,35 @@ class StructureMethods:
             *(("warning", f"{warning.field}: {warning.message}") for warning in self.warnings),
         ]
         return _tables.html((), rows, caption=f"Structure {self.id} {self.name}".rstrip())
+
+
+class StructureGeometryMethods:
+    """A picture and a table of nodes and members."""
+
+    compared: ClassVar[bool] = True
+    if TYPE_CHECKING:
+        id: str
+        name: str
+        nodes: Mapping[int, tuple[float, ...]]
+        members: Sequence[MemberNodes]
+        dofs: tuple[str, ...]
+
+    def plot(self) -> "Axes":
+        """Draw nodes and members; return the axes.
+
+        Raises
+        ------
+        MissingExtraError
+            If matplotlib is not installed.
+        """
+        from modallab_client import _shape_plot
+
+        return _shape_plot.structure(cast("StructureGeometry", self))
+
+    def _repr_html_(self) -> str:
+        counted = [("nodes", self.nodes), ("members", self.members), ("degrees of freedom", self.dofs)]
+        rows = [(name, str(len(things))) for name, things in counted]
+        return _tables.html((), rows, caption=f"Geometry of {self.name or self.id}")
 
 
 class StructureModesMethods:

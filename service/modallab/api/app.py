@@ -103,7 +103,12 @@ def create_app(
     app.include_router(_routes())
     app.include_router(page.router)
     problems.install(app)
-    app.add_middleware(Gate, engine=engine_of(settings.store_place), allowed_hosts=settings.host_names)
+    app.add_middleware(
+        Gate,
+        engine=engine_of(settings.store_place),
+        allowed_hosts=settings.host_names,
+        embedding_key=settings.embedding_key,
+    )
     app.add_middleware(BodyLimit, json=settings.body_limit, upload=settings.upload_limit)
     metrics = Metrics(settings.store_place)
     app.add_middleware(Measured, metrics=metrics)

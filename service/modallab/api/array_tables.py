@@ -12,6 +12,7 @@ from modallab.correlation.orthogonality import Orthogonality
 from modallab.correlation.responses import ResponseCorrelation
 from modallab.diagnosis.result_curves import DiagnosisCurves
 from modallab.rig.measurement import Measurement
+from modallab.rig.time_records import TimeRecords
 from modallab.updating.direct.result import DirectResult
 from modallab.updating.identifiability import Identifiability
 from modallab.updating.posterior import PosteriorSample
@@ -43,6 +44,18 @@ MEASUREMENT = array_replies(
         "input_condition",
         "force_cross_spectra",
     ),
+)
+RECORDS = array_replies(
+    "TimeRecordArrays",
+    "Time records of a measurement, before the window",
+    {
+        **arrays_of(TimeRecords, "force", "response"),
+        "sample_rate": ArraySpec("Hz, sample rate", ""),
+        "inputs": ArraySpec("force DoFs of every run", "n_runs, n_forces", "text"),
+        "outputs": ArraySpec("response DoFs of every run", "n_runs, n_responses", "text"),
+        "force_unit": ArraySpec("unit of `force`", "", "text"),
+        "response_unit": ArraySpec("unit of `response`", "", "text"),
+    },
 )
 STRUCTURE_MODES = array_replies(
     "StructureModeArrays",

@@ -16,6 +16,7 @@ from modallab.store.base import Entry
 _BYTES = "application/octet-stream"
 _HDF5 = _BYTES
 _TEXT = "text/plain"
+WAV_TYPE = "audio/wav"
 
 
 def _answers(description: str, media_type: str, schema: dict[str, str]) -> dict[int | str, dict[str, Any]]:
@@ -62,6 +63,11 @@ def hdf5_reply(payload: bytes, name: str) -> Response:
 def frf_text_reply(payload: bytes, name: str) -> Response:
     """Return a `.FRF` file as a reply that browsers keep under this name."""
     return _reply(payload, f"{name}.frf", _TEXT)
+
+
+def wav_reply(payload: bytes, name: str) -> Response:
+    """Return a sound file as a reply that browsers keep under this name."""
+    return _reply(payload, f"{name}.wav", WAV_TYPE)
 
 
 def _reply(payload: bytes, name: str, media_type: str) -> Response:

@@ -5,12 +5,14 @@ reaches the service, but no web page of another origin: neither by a name that i
 this machine (`Host`), nor by a request that a browser says comes from elsewhere (`Origin`, `Sec-Fetch-Site`).
 """
 
+import hmac
 from collections.abc import Collection
 from urllib.parse import urlsplit
 
 import sqlalchemy as sa
 import structlog
 from anyio import to_thread
+from pydantic import SecretStr
 from sqlalchemy.exc import DBAPIError
 from starlette.datastructures import Headers
 from starlette.requests import Request, cookie_parser
@@ -41,10 +43,20 @@ class Gate:
         Of the store's database.
     allowed_hosts
         Names by which a service without keys is asked for; None: any.
+    embedding_key
+        Of the program that embeds the service; None: none does.
     """
 
-    def __init__(self, app: ASGIApp, *, engine: sa.Engine, allowed_hosts: Collection[str] | None) -> None:
+    def __init__(
+        self,
+        app: ASGIApp,
+        *,
+        engine: sa.Engine,
+        allowed_hosts: Collection[str] | None,
+        embedding_key: SecretStr | None = None,
+    ) -> None:
         self._app, self._allowed_hosts = app, allowed_hosts
+        self._embedding_key = embedding_key
         self._keys, self._sessions = KeyBook(engine), SessionBook(engine)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -78,8 +90,16 @@ class Gate:
         if not self._keys.exists():
             self._check_host(headers)
             return WITHOUT_KEYS
+        if self._is_embedding(key_text):
+            return WITHOUT_KEYS
         key = self._key(headers, key_text)
         return Caller(key.viewer, key)
+
+    def _is_embedding(self, key_text: str | None) -> bool:
+        """Return whether the program that embeds the service sent this key."""
+        if self._embedding_key is None or key_text is None:
+            return False
+        return hmac.compare_digest(self._embedding_key.get_secret_value().encode(), key_text.encode())
 
     def _key(self, headers: Headers, key_text: str | None) -> Key:
         if key_text is not None:

@@ -12,6 +12,7 @@ from modallab.api.settings import ServiceSettings
 from modallab.api.wire import Reply
 from modallab.interchange.settings import CONFINEMENT
 from modallab.jobs.settings import JOB
+from modallab.rig.record_settings import RECORDS
 
 router = APIRouter(tags=["service"])
 _JOB = ("max_attempts", "time_limit", "further_tests")
@@ -60,6 +61,7 @@ def _limits(settings: ServiceSettings) -> Iterator[LimitReply]:
         (JOB, _JOB),
         (OFFLOADING, _OFFLOADING),
         (CONFINEMENT, ("max_bytes",)),
+        (RECORDS, ("kept_samples",)),
     )
     for group, names in groups:
         values, specs = asdict(group), group.specs()

@@ -4,7 +4,7 @@ import ipaddress
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, SecretStr
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 from modallab.jobs.durable import JobPlace
@@ -35,6 +35,10 @@ class ServiceSettings(BaseSettings):
         default=None,
         description="names, separated by commas, by which a service without keys is asked for; else those of "
         "this machine where it listens to this machine only",
+    )
+    embedding_key: SecretStr | None = Field(
+        default=None,
+        description="key of the program that embeds the service: it may do everything, as without keys",
     )
     database_url: str | None = Field(default=None, description="postgresql://...; else SQLite in `data`")
     database_schema: str = Field(default="modallab", pattern=r"^[a-z][a-z0-9_]{0,40}$")

@@ -14,6 +14,7 @@ from modallab.rig.effect import build
 from modallab.rig.effects_in_other_test import effects_in_other_test
 from modallab.rig.measure import Route, measure
 from modallab.rig.measurement import Measurement
+from modallab.rig.record_settings import RECORDS
 from modallab.rig.setup import RigSetup
 from modallab.store.base import Store, Truth
 
@@ -42,6 +43,14 @@ class MeasurementOptions(Options):
         "time records",
     )
     seed: int = option(0, unit="1", lower=0, upper=2**63 - 1, doc="seed of the random numbers")
+    records: int = option(
+        0,
+        unit="records",
+        lower=0,
+        upper=RECORDS.kept_samples,
+        doc="number of time records of every run that are kept, at most as many as averages; of the route "
+        "`sampled`",
+    )
 
 
 def measure_and_store(
@@ -54,7 +63,8 @@ def measure_and_store(
     """Run the virtual test; store the measurement, and separately its truth."""
     rig_id, seed = inputs.rig_id, options.seed
     truth = Truth(inputs.structure_id, options.effects)
-    measurement = measured(store, progress, truth, store.rigs.get(rig_id), options.route, seed)
+    setup = store.rigs.get(rig_id)
+    measurement = measured(store, progress, truth, setup, options.route, seed, records=options.records)
     with store.together() as batch:
         batch.measurements.add(
             measurement, owner=into.owner, inputs={"rig_id": rig_id}, seed=seed, id=into.id
@@ -101,13 +111,22 @@ def measure_again(
 
 
 def measured(
-    store: Store, progress: Progress, truth: Truth, setup: RigSetup, route: str, seed: int
+    store: Store,
+    progress: Progress,
+    truth: Truth,
+    setup: RigSetup,
+    route: str,
+    seed: int,
+    *,
+    records: int = 0,
 ) -> Measurement:
     """Return the measurement of a virtual test, with its route, seed and libraries."""
     structure = store.structures.get(truth.structure_id)
     hidden = [build(spec) for spec in truth.effects]
     rng = np.random.default_rng(seed)
-    measurement = measure(structure, setup, hidden, route=Route(route), rng=rng, progress=progress)
+    measurement = measure(
+        structure, setup, hidden, route=Route(route), rng=rng, progress=progress, records=records
+    )
     return replace(measurement, seed=seed, route=route, libraries=_LIBRARIES)
 
 

@@ -1,6 +1,7 @@
 """Simulated measurement by any route."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from enum import StrEnum
 from typing import Any
 
@@ -17,6 +18,7 @@ from modallab.estimation.estimator import ESTIMATORS
 from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.assembly import assemble
 from modallab.fe.structure import Structure
+from modallab.rig.acquisition import sample_rate_of
 from modallab.rig.analyser import Analyser
 from modallab.rig.chain import Chain, chain
 from modallab.rig.compatibility import check_compatible
@@ -29,6 +31,7 @@ from modallab.rig.periodic import periodic_signals
 from modallab.rig.sampled import sampled_spectra
 from modallab.rig.settings import SOURCE
 from modallab.rig.setup import RigSetup
+from modallab.rig.time_records import RecordKeeper, TimeRecords, check_records
 from modallab.rig.wishart import wishart_spectra
 from modallab.rig.wishart_periodic import noncentral_wishart_spectra, signal_of
 
@@ -49,6 +52,7 @@ def measure(
     route: Route = Route.SAMPLED,
     rng: np.random.Generator,
     progress: Progress = silent,
+    records: int = 0,
 ) -> Measurement:
     """Return the simulated measurement of a structure on a rig.
 
@@ -58,6 +62,8 @@ def measure(
         Effects beside the declared hardware; they do not appear in the measurement's log book.
     rng
         The only source of randomness; not drawn from on the expected route.
+    records
+        Number of time records that the measurement keeps of every run.
 
     Raises
     ------
@@ -70,21 +76,25 @@ def measure(
     declared, setup = setup, setup.simulated
     check_compatible(setup)
     _check_band(setup)
+    check_records(records, setup, sampled=route is Route.SAMPLED)
     modelled = [build(spec) for spec in structure.effects]
     for effect in [*modelled, *(build(spec) for spec in setup.effects), *effects]:
         effect.check(structure, setup)
     measuring_chain = chain(assemble(structure), setup, [*modelled, *effects])
     if route is not Route.SAMPLED:
         check_first_order(measuring_chain.runs, measuring_chain.setup.analyser, measuring_chain.source)
+    kept: TimeRecords | None = None
     if route is Route.SAMPLED:
-        spectra = sampled_spectra(measuring_chain, rng, progress)
+        keeper = RecordKeeper(records, sample_rate_of(measuring_chain.setup.analyser)) if records else None
+        spectra = sampled_spectra(measuring_chain, rng, progress, keeper)
+        kept = keeper.records(measuring_chain.n_in) if keeper else None
     elif route is Route.DRAWN:
         spectra = draw(measuring_chain, rng)
     else:
         spectra = expected_spectra(measuring_chain)
     progress(1.0, "measured")
     lines = measuring_chain.setup.analyser.lines_at(setup.analyser.freq)
-    return measurement_of(spectra.at(lines), declared)
+    return replace(measurement_of(spectra.at(lines), declared), records=kept)
 
 
 def _check_band(setup: RigSetup) -> None:

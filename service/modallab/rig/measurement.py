@@ -14,6 +14,7 @@ from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.numerics import COMPARISON_ROUNDING
 from modallab.estimation.partial_coherence import partial_coherence
 from modallab.rig.setup import RigSetup
+from modallab.rig.time_records import TimeRecords
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +53,8 @@ class Measurement:
     """Assumptions about an imported test that neither its file nor its log book states."""
     averages_error: float | None = None
     """1, standard error of averages that are estimated; None: they are declared."""
+    records: TimeRecords | None = None
+    """Time records that were kept; None: there are none."""
 
     def __post_init__(self) -> None:
         shape = self.frf.values.shape

@@ -27,6 +27,12 @@ class RecordSettings(Settings):
     parallel_samples: int = setting(
         2**24, unit="samples", doc="samples of all channels of runs stepped in parallel", derived="memory"
     )
+    kept_samples: int = setting(
+        2**21,
+        unit="samples",
+        doc="samples of all channels of the time records that one test keeps",
+        derived="a download of 16 MB in double precision",
+    )
     records_per_stretch: int = setting(
         32,
         unit="records",

@@ -11,14 +11,22 @@ from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.chain import Chain
 from modallab.rig.expected import acquisition, noise_densities, noise_free
 from modallab.rig.records import Recorder
+from modallab.rig.time_records import RecordKeeper
 
 
-def sampled_spectra(chain: Chain, rng: np.random.Generator, progress: Progress) -> CrossSpectra:
+def sampled_spectra(
+    chain: Chain, rng: np.random.Generator, progress: Progress, keeper: RecordKeeper | None = None
+) -> CrossSpectra:
     """Return the averaged spectra of every run from simulated time records.
 
     The source's signal is Gaussian; what of it repeats with the record is drawn anew for every
     average, what does not is a stationary process, cut into records that overlap. Force and responses
     follow through the exact frequency responses; the sensors add white noise.
+
+    Parameters
+    ----------
+    keeper
+        Receiver of the records, as the analyser takes them.
 
     Raises
     ------
@@ -41,6 +49,8 @@ def sampled_spectra(chain: Chain, rng: np.random.Generator, progress: Progress) 
             batch = replace(batch, samples=effect.on_records(batch, acquisition_state, rng))
         run, count = batch.run, averager.count + len(batch.samples)
         averager.add(batch.samples)
+        if keeper is not None:
+            keeper.add(run, batch.samples)
         del batch  # not kept while the next one is made
         progress(
             (run + count / analyser.simulated_averages) / n_run,

@@ -21,6 +21,8 @@ from modallab.diagnosis.result import Diagnosis
 from modallab.fe.structure import Structure
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
+from modallab.rig.time_records import TimeRecords
+from modallab.store.npz import names, pack, unpack
 from modallab.store.plain import Arrays, Json, from_plain, to_plain
 from modallab.updating.direct.result import DirectResult
 from modallab.updating.error_location.method import LocationResult
@@ -74,8 +76,30 @@ def arrays_of(thing: Measurement) -> Arrays:
     )
 
 
+_RECORDS = "records_"  # before the names of the arrays of time records
+
+
+def without_records(payload: bytes) -> bytes:
+    """Return the npz file of a measurement without its time records."""
+    if not any(name.startswith(_RECORDS) for name in names(payload)):
+        return payload
+    return pack({name: a for name, a in unpack(payload).items() if not name.startswith(_RECORDS)})
+
+
+def _record_arrays(records: TimeRecords | None) -> Arrays:
+    if records is None:
+        return {}
+    named = {f.name: np.asarray(getattr(records, f.name)) for f in fields(records)}
+    return {f"{_RECORDS}{name}": array for name, array in named.items()}
+
+
+def _records(arrays: _ArrayMap) -> TimeRecords | None:
+    kept = _with_prefix(arrays, _RECORDS)
+    return TimeRecords(kept["force"], kept["response"], float(kept["sample_rate"])) if kept else None
+
+
 def _take_measurement(thing: Measurement) -> tuple[Json, Arrays]:
-    arrays = arrays_of(thing)
+    arrays = arrays_of(thing) | _record_arrays(thing.records)
     body = {"setup": to_plain(thing.setup)[0], "seed": thing.seed, "notes": list(thing.notes)}
     body |= {
         "assumed": [to_plain(assumption)[0] for assumption in thing.assumed],
@@ -101,6 +125,7 @@ def _put_measurement(body: Json, arrays: _ArrayMap) -> Measurement:
         notes=tuple(body["notes"]),
         assumed=tuple(from_plain(Assumption, tree, {}) for tree in body.get("assumed", ())),
         averages_error=body.get("averages_error"),
+        records=_records(arrays),
     )
 
 

@@ -19,3 +19,9 @@ def unpack(payload: bytes) -> dict[str, NDArray[Any]]:
     """Return the arrays of an npz file that this service wrote."""
     with np.load(io.BytesIO(payload), allow_pickle=False) as file:
         return {name: file[name] for name in file.files}
+
+
+def names(payload: bytes) -> list[str]:
+    """Return the names of the arrays of an npz file that this service wrote."""
+    with np.load(io.BytesIO(payload), allow_pickle=False) as file:
+        return list(file.files)

@@ -10,7 +10,7 @@ from modallab.rig.measurement import Measurement
 from modallab.rig.plausibility import measurement_warnings
 from modallab.store.base import Entry, Truth
 
-_PARTS = ("frf", "setup", "seed")
+_PARTS = ("frf", "setup", "seed", "records")
 _RIG_ID: tuple[Any, str] = (str, "Rig of the test.")
 MeasurementReply = stored_reply(
     Measurement,
@@ -24,6 +24,7 @@ MeasurementReply = stored_reply(
     n_lines=(int, "Number of frequency lines."),
     frequency_min=(float, "Hz, frequency of the first line."),
     frequency_max=(float, "Hz, frequency of the last line."),
+    n_records=(int, "Number of time records of every run that were kept."),
     warnings=(replies_of(PhysicsWarning), "What is surely a slip of a unit or a setting."),
 )
 LogReply = stored_reply(
@@ -50,6 +51,7 @@ def measurement_reply(measurement: Measurement, entry: Entry) -> Any:
         n_lines=len(frf.freq),
         frequency_min=float(frf.freq[0]),
         frequency_max=float(frf.freq[-1]),
+        n_records=0 if measurement.records is None else len(measurement.records),
         warnings=measurement_warnings(measurement),
     )
 

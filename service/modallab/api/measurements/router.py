@@ -11,7 +11,7 @@ from modallab.api.access import TEACHERS
 from modallab.api.arrays import ArraysFormatDep
 from modallab.api.deps import IdPath, JobsDep, OwnerDep, RequestKeyDep, SettingsDep, StoreDep
 from modallab.api.examples import example
-from modallab.api.files import FRF_TEXT, HDF5, UFF, frf_text_reply, hdf5_reply, origin, uff_reply
+from modallab.api.files import FRF_TEXT, HDF5, UFF, frf_text_reply, hdf5_reply, origin, uff_reply, wav_reply
 from modallab.api.jobs import JobReply, job_reply
 from modallab.api.kinds import KindWanted, measured_as
 from modallab.api.measurements.curves import Curves, curves_of
@@ -23,6 +23,13 @@ from modallab.api.measurements.indicators import (
     ReciprocityReply,
     indicators_of,
     reciprocity_of,
+)
+from modallab.api.measurements.records import (
+    RECORD_REPLIES,
+    RecordFormat,
+    record_arrays,
+    records_of,
+    wav_file,
 )
 from modallab.api.measurements.replies import (
     LogReply,
@@ -44,7 +51,7 @@ from modallab.jobs.durations import duration_of_measurement
 from modallab.jobs.tasks import MEASUREMENT
 from modallab.rig.effect import build
 from modallab.store.base import Truth
-from modallab.store.codec import arrays_of
+from modallab.store.codec import arrays_of, without_records
 
 router = APIRouter(prefix="/measurements", tags=["measurements"], route_class=OffloadedRoute)
 Decimals = Annotated[
@@ -129,9 +136,29 @@ def get_measurement_arrays(
 ) -> Response:
     """Return FRFs, coherence and auto spectra of a measurement."""
     if kind is None:
-        return form.reply_npz(store.measurements.npz(id))
+        return form.reply_npz(without_records(store.measurements.npz(id)))
     measurement = measured_as(kind, store.measurements.get(id))
     return form.reply(arrays_of(measurement) | {"notes": np.array(measurement.notes, dtype=str)})
+
+
+@router.get(
+    "/{id}/records",
+    response_class=Response,
+    responses=RECORD_REPLIES,
+    summary="Get time records",
+)
+def get_records(
+    id: IdPath, store: StoreDep, form: ArraysFormatDep, file_format: RecordFormat = "npz"
+) -> Response:
+    """Return the time records that a measurement kept: force and response before the window.
+
+    As `wav` all channels stand side by side, run by run and forces first, and the records one after another.
+    """
+    measurement = store.measurements.get(id)
+    records = records_of(measurement)
+    if file_format == "wav":
+        return wav_reply(wav_file(records), id)
+    return form.reply(record_arrays(records, measurement.setup))
 
 
 @router.get("/{id}/arrays.h5", response_class=Response, responses=HDF5, summary="Get arrays as an HDF5 file")

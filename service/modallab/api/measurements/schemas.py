@@ -14,6 +14,7 @@ from modallab.jobs.measuring import MeasurementInputs, MeasurementOptions
 from modallab.rig.effect import build
 from modallab.rig.measure import Route
 from modallab.rig.setup import RigSetup
+from modallab.rig.time_records import check_records
 
 MeasurementOptionsBody: Any = body_of(MeasurementOptions, enforced=True, effects=Effects)
 
@@ -37,7 +38,7 @@ class MeasurementStart(MeasurementOptionsBody):  # type: ignore[misc]
             If the rig drives or listens where the structure has no DoF.
         InvalidInputError
             If an effect is unknown, cannot sit where it is said to, or a value is out of bounds; if the
-            test has too many lines and FRFs.
+            test has too many lines and FRFs, or cannot keep so many time records.
         """
         _check_size(setup)
         for dof in (*setup.drives, *setup.responses):
@@ -46,7 +47,9 @@ class MeasurementStart(MeasurementOptionsBody):  # type: ignore[misc]
         for effect in [*effects, *(build(spec) for spec in (*structure.effects, *setup.effects))]:
             effect.check(structure, setup)
         specs = tuple(effect.spec for effect in effects)
-        options = MeasurementOptions(specs, Route(self.route), self.seed)
+        route = Route(self.route)
+        check_records(self.records, setup, sampled=route is Route.SAMPLED)
+        options = MeasurementOptions(specs, route, self.seed, self.records)
         return MeasurementInputs(self.structure_id, self.rig_id), options
 
 
