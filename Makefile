@@ -5,7 +5,7 @@ STAMP := .venv/.installed
 TRIAL := benchmarks/trial/results
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: setup check test demo serve bench trial docs openapi sync-client page lock
+.PHONY: setup check test demo serve bench trial docs validation openapi sync-client page lock
 
 $(STAMP): pyproject.toml requirements.lock
 	$(PYTHON) -m venv .venv
@@ -45,6 +45,9 @@ trial: setup ## the blind trial of the diagnosis, for hours; may be cut and cont
 
 docs: setup ## pages and pictures of all effects
 	$(BIN)/python -m docs.gallery
+
+validation: setup ## tables of the thesis beside ours, docs/validation.md
+	$(BIN)/python -m docs.validation
 
 openapi: setup ## write docs/openapi.json from the service
 	$(BIN)/python -m docs.openapi
