@@ -95,7 +95,7 @@ def _noisy() -> Comparison:
     spans = ", ".join(f"{count} of {N_MODES} {what}" for what, count in within.items())
     return Comparison(
         "Table 4.1",
-        "the bay measured with errors of 0.5 % in eigenvalues and 5 % in shapes",
+        "the bay measured with random errors",
         (
             quantity(
                 "measured, Hz",
@@ -110,6 +110,7 @@ def _noisy() -> Comparison:
         "mode",
         MODES,
         (
+            "Errors are uniform, up to 0.5 % of eigenvalues and up to 5 % of shapes. "
             f"The random numbers of 1992 are not known: the mean of {N_DRAWS} draws is compared. The printed "
             f"draw is within the range of these draws in {spans}.",
         ),
