@@ -1,5 +1,6 @@
 """Types and fields of the OpenAPI document, as Markdown."""
 
+import json
 from typing import Any
 
 Schema = dict[str, Any]
@@ -50,7 +51,7 @@ def fields_table(schema: Schema) -> str:
     rows = []
     for name, field in schema["properties"].items():
         star = " *" if name in required else ""
-        default = f"`{field['default']}`" if "default" in field else ""
+        default = f"`{json.dumps(field['default'])}`" if "default" in field else ""
         bounds = ", ".join(_bounds(field))
         meaning = cell(field.get("description", ""))
         rows.append(f"| `{name}`{star} | {type_of(field)} | {cell(bounds)} | {cell(default)} | {meaning} |")
@@ -59,4 +60,4 @@ def fields_table(schema: Schema) -> str:
 
 def _bounds(field: Schema) -> list[str]:
     bounded = [field, *field.get("anyOf", ())]
-    return [words.format(one[key]) for one in bounded for key, words in _BOUNDS.items() if key in one]
+    return [words.format(f"{one[key]:g}") for one in bounded for key, words in _BOUNDS.items() if key in one]

@@ -36,7 +36,8 @@ Terms and symbols: [glossary](glossary.md).
 
 Tables of a PhD thesis of 1992 on model updating beside the same numbers from this code. Of {numbers} numbers,
 {numbers - beyond} agree to the printed digit. The other {beyond} (bold) differ by more than half of that
-digit; the reason stands in the same row. Numbers of modallab have one digit more than the printed ones.
+digit; the reason stands in the row or under the table. Numbers of modallab have one digit more than the
+printed ones.
 The printed numbers are in `tests/published`; `make validation` writes this page.
 
 {summary}

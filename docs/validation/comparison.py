@@ -96,15 +96,14 @@ class Comparison:
         return _table(["", "printed", "modallab", "deviation", "reason"], rows)
 
     def _items_across(self) -> list[str]:
-        rows = []
+        rows, reasons = [], []
         for one in self.quantities:
             printed, found, deviation, reason = one.cells
-            rows += [
-                [one.name, "printed", *printed, ""],
-                ["", "modallab", *found, ""],
-                ["", "deviation", *deviation, reason],
-            ]
-        return _table(["", self.label, *self.items, "reason"], rows)
+            rows += [[one.name, "printed", *printed], ["", "modallab", *found], ["", "deviation", *deviation]]
+            if reason:
+                items = ", ".join(item for item, off in zip(self.items, one.beyond, strict=True) if off)
+                reasons.append(f"- {one.name}, {self.label} {items}: {reason}.")
+        return [*_table(["", self.label, *self.items], rows), *[""][: len(reasons)], *reasons]
 
     def _items_down(self) -> list[str]:
         header, columns = [self.label], [list(self.items)]
@@ -119,7 +118,7 @@ class Comparison:
 
 
 def _table(header: list[str], rows: list[list[str]]) -> list[str]:
-    if not any(row[-1] for row in rows):
+    if header[-1] == "reason" and not any(row[-1] for row in rows):
         header, rows = header[:-1], [row[:-1] for row in rows]
     lines = [header, ["---"] * len(header), *rows]
     return [f"| {' | '.join(line)} |" for line in lines]
