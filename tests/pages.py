@@ -2,15 +2,17 @@
 
 import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import redirect_stdout
 from io import StringIO
 from multiprocessing import get_context
 from pathlib import Path
+from traceback import format_exc
 from typing import Any
 
 DOCS = Path(__file__).parents[1] / "docs"
+Check = Callable[[dict[str, Any]], None]
 LONGEST = 600.0  # s; a page takes seconds on an idle computer
 
 
@@ -20,7 +22,7 @@ def blocks(page: str, language: str = "python") -> list[str]:
     return re.findall(rf"^```{language}\n(.*?)^```", text, flags=re.DOTALL | re.MULTILINE)
 
 
-def run_page(page: str, folder: Path, check: Callable[[dict[str, Any]], None]) -> None:
+def run_page(page: str, folder: Path, check: Check) -> None:
     """Run a page's Python blocks in a folder and a new interpreter, then a check there.
 
     Parameters
@@ -29,11 +31,17 @@ def run_page(page: str, folder: Path, check: Callable[[dict[str, Any]], None]) -
         Function of a module, which gets the names that the blocks leave behind; `__printed__` is what they
         printed.
     """
+    (failure,) = outcomes(page, folder, [check]).values()
+    assert not failure, failure
+
+
+def outcomes(page: str, folder: Path, checks: Sequence[Check]) -> dict[str, str]:
+    """Return what each check of a page found wrong, by its name; "" where it found nothing."""
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as process:
-        process.submit(_run, page, folder, check).result(LONGEST)
+        return process.submit(_run, page, folder, checks).result(LONGEST)
 
 
-def _run(page: str, folder: Path, check: Callable[[dict[str, Any]], None]) -> None:
+def _run(page: str, folder: Path, checks: Sequence[Check]) -> dict[str, str]:
     os.environ["MPLBACKEND"] = "agg"
     os.chdir(folder)
     names: dict[str, Any] = {"__name__": "__main__"}
@@ -41,7 +49,16 @@ def _run(page: str, folder: Path, check: Callable[[dict[str, Any]], None]) -> No
         with redirect_stdout(StringIO()) as printed:
             for number, block in enumerate(blocks(page), 1):
                 exec(compile(block, f"{page}, block {number}", "exec"), names)
-        check(names | {"__printed__": printed.getvalue()})
+        left = names | {"__printed__": printed.getvalue()}
+        return {check.__name__: _failure(check, left) for check in checks}
     finally:
         if "lab" in names:
             names["lab"].close()
+
+
+def _failure(check: Check, names: dict[str, Any]) -> str:
+    try:
+        check(names)
+    except Exception:
+        return format_exc()
+    return ""
