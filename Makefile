@@ -5,7 +5,7 @@ STAMP := .venv/.installed
 TRIAL := benchmarks/trial/results
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: setup check test demo serve bench trial docs openapi sync-client page lock
+.PHONY: setup check test demo serve bench trial docs gallery site validation openapi sync-client page lock
 
 $(STAMP): pyproject.toml requirements.lock
 	$(PYTHON) -m venv .venv
@@ -43,8 +43,16 @@ trial: setup ## the blind trial of the diagnosis, for hours; may be cut and cont
 		--out $(TRIAL)/3.jsonl --resume
 	$(BIN)/python -m benchmarks.blind_trial --out $(TRIAL)/*.jsonl --report docs/trial.md
 
-docs: setup ## pages and pictures of all effects
+docs: gallery validation site ## pictures of all effects, the validation report and the site
+
+gallery: setup ## pages and pictures of all effects
 	$(BIN)/python -m docs.gallery
+
+site: setup ## the documentation as a site in build/site, strict about links, without Internet
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict --quiet
+
+validation: setup ## tables of the thesis beside ours, docs/validation.md
+	$(BIN)/python -m docs.validation
 
 openapi: setup ## write docs/openapi.json from the service
 	$(BIN)/python -m docs.openapi

@@ -103,7 +103,7 @@ def parameter_table(cls: type[Effect]) -> str:
 
 
 def _thumbnail(kind: str) -> str:
-    return f'<a href="{kind}.md"><img src="{kind}.png" width="320" alt="{kind}"></a>'
+    return f'[<img src="{kind}.png" width="320" alt="{kind}">]({kind}.md)'
 
 
 def _sentence(text: str) -> str:
@@ -147,7 +147,10 @@ def _added(kind: str, example: Example) -> Any:
 
 
 def _physics(cls: type[Effect]) -> str:
-    first, _, remainder = inspect.cleandoc(cls.__doc__ or "").replace("<", "\\<").partition("\n")
+    text = (
+        inspect.cleandoc(cls.__doc__ or "").replace("<", "\\<").replace("] [", "] \\[")
+    )  # a vector is no link
+    first, _, remainder = text.partition("\n")
     return f"> {first}\n\n{remainder.strip()}".strip()
 
 

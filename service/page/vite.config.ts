@@ -1,5 +1,5 @@
 import { createHash } from "node:crypto";
-import { copyFileSync, mkdirSync, readFileSync, readdirSync, writeFileSync } from "node:fs";
+import { readFileSync, readdirSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { type Plugin, defineConfig } from "vite";
 
@@ -28,21 +28,6 @@ function recordSources(): Plugin {
   };
 }
 
-/** The reference of the API comes from npm too, so that the service needs no other host. */
-function copyApiReference(): Plugin {
-  return {
-    name: "copy-api-reference",
-    closeBundle() {
-      const from = join(here, "node_modules/swagger-ui-dist");
-      const to = join(out, "docs");
-      mkdirSync(to, { recursive: true });
-      for (const name of ["swagger-ui-bundle.js", "swagger-ui.css", "LICENSE"]) {
-        copyFileSync(join(from, name), join(to, name));
-      }
-    },
-  };
-}
-
 export default defineConfig({
   root: here,
   base: "./",
@@ -54,6 +39,6 @@ export default defineConfig({
     assetsInlineLimit: 0, // a strict policy allows no data: fonts
     modulePreload: { polyfill: false },
   },
-  plugins: [copyApiReference(), recordSources()],
+  plugins: [recordSources()],
   server: { proxy: { "/v1": "http://127.0.0.1:8000" } },
 });

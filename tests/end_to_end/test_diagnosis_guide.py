@@ -9,44 +9,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from matplotlib import pyplot
 
-DOCS = Path(__file__).parents[2] / "docs"
+from tests.pages import DOCS, blocks, run_page
+
 TEXT = (DOCS / "diagnosis.md").read_text(encoding="utf-8")
 
 
-def blocks(language: str) -> list[str]:
-    """Return the guide's code blocks of a language."""
-    return re.findall(rf"^```{language}\n(.*?)^```", TEXT, flags=re.DOTALL | re.MULTILINE)
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """An empty folder, as a reader has it."""
-    return tmp_path_factory.mktemp("guide")
-
-
-@pytest.fixture(scope="module")
-def names(folder: Path) -> dict[str, Any]:
-    """What the Python blocks leave behind, run one after the other."""
-    pyplot.switch_backend("agg")
-    left: dict[str, Any] = {}
-    before = Path.cwd()
-    os.chdir(folder)
-    try:
-        for block in blocks("python"):
-            exec(block, left)
-    finally:
-        os.chdir(before)
-        pyplot.close("all")
-        if "lab" in left:
-            left["lab"].close()
-    return left
-
-
-def test_the_hidden_mass_is_named_and_what_was_added_explains_the_test(
-    names: dict[str, Any], folder: Path
-) -> None:
+def check(names: dict[str, Any]) -> None:
+    """Compare what the blocks leave behind with what the page says."""
     (step,) = names["found"].steps
     assert (names["found"].verdict, step.effect.kind, step.effect.at) == ("explained", "extra_mass", "4:+Y")
     mass = step.effect.parameters["mass"]
@@ -54,12 +24,19 @@ def test_the_hidden_mass_is_named_and_what_was_added_explains_the_test(
     assert abs(mass.value - names["hidden"]["parameters"]["mass"]) < 5 * mass.standard_error
     assert step.held_out_gap_after < 1.5 < step.held_out_gap_before
     assert names["again"].verdict == "nothing_missing"
-    assert "extra mass at 4:+Y" in (folder / "report.html").read_text(encoding="utf-8")
+    assert "extra mass at 4:+Y" in Path("report.html").read_text(encoding="utf-8")
 
 
-@pytest.mark.usefixtures("names")
-def test_the_commands_find_the_same_from_files(folder: Path) -> None:
-    (script,) = blocks("bash")
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder that was empty, as a reader has it, before the Python blocks ran in it."""
+    place = tmp_path_factory.mktemp("guide")
+    run_page("diagnosis.md", place, check)
+    return place
+
+
+def test_blocks_and_commands_name_the_hidden_mass(folder: Path) -> None:
+    (script,) = blocks("diagnosis.md", "bash")
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     done = subprocess.run(
         ["bash", "-euo", "pipefail", "-c", script],

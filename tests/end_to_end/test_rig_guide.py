@@ -7,21 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-DOCS = Path(__file__).parents[2] / "docs"
+from tests.pages import DOCS, run_page
+
 TEXT = (DOCS / "rig.md").read_text(encoding="utf-8")
 
 
-def test_every_block_of_the_guide_runs_and_gives_what_the_guide_says(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    names: dict[str, Any] = {"Path": Path}
-    try:
-        for block in re.findall(r"^```python\n(.*?)^```", TEXT, flags=re.DOTALL | re.MULTILINE):
-            exec(block, names)
-    finally:
-        if "lab" in names:
-            names["lab"].close()
+def check(names: dict[str, Any]) -> None:
+    """Compare what the blocks leave behind with what the guide says."""
     assert names["at_once"].values.shape == (201, 6, 2)
     assert names["struck"].values.shape == names["struck"].coherence.shape == (201, 1, 6)
     assert "exponential window" in names["struck"].notes[0]
@@ -30,10 +22,10 @@ def test_every_block_of_the_guide_runs_and_gives_what_the_guide_says(
     assert names["receptance"].freq[0] == 2.0
     checks = {check["name"]: check["fulfilled"] for check in names["checks"]}
     assert set(checks) == {"suspension", "stinger_bending", "stinger_axial", "useful_range"}
-    assert (tmp_path / "mobility.uff").stat().st_size > 0
+    assert Path("mobility.uff").stat().st_size > 0
     lines = [
         line.split()
-        for line in capsys.readouterr().out.splitlines()
+        for line in names["__printed__"].splitlines()
         if " sampled " in line or " expected " in line
     ]
     figures = {(float(level), route): (float(peak), float(g2)) for level, route, peak, g2 in lines}
@@ -42,6 +34,10 @@ def test_every_block_of_the_guide_runs_and_gives_what_the_guide_says(
     # tests of 200 averages: 28.85 with a standard error of 0.06, where 28.89 is expected)
     assert stepped == pytest.approx(expected, rel=0.018)
     assert (round(straight, 2), round(by_steps, 2)) == (0.93, 0.92)
+
+
+def test_every_block_of_the_guide_runs_and_gives_what_the_guide_says(tmp_path: Path) -> None:
+    run_page("rig.md", tmp_path, check)
 
 
 def test_what_the_guide_points_to_is_there() -> None:

@@ -1,34 +1,19 @@
 """What docs/updating.md tells to type."""
 
-import re
-from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-TEXT = (Path(__file__).parents[2] / "docs" / "updating.md").read_text(encoding="utf-8")
+from tests.pages import Check, outcomes
 
 
-@pytest.fixture(scope="module")
-def names() -> Iterator[dict[str, Any]]:
-    """What the blocks leave behind, run one after the other."""
-    left: dict[str, Any] = {}
-    for block in re.findall(r"^```python\n(.*?)^```", TEXT, flags=re.DOTALL | re.MULTILINE):
-        exec(block, left)
-    yield left
-    left["lab"].close()
-
-
-def test_corrected_matrices_have_the_modes_that_were_used(names: dict[str, Any]) -> None:
+def corrected_matrices_have_the_modes_that_were_used(names: dict[str, Any]) -> None:
     # the method is exact for shapes at all DoFs: left is rounding, with eigenvalues up to 1e6 of the lowest
     assert names["direct"].reproduced < 1e-8
 
 
-def test_the_share_of_the_correction_that_no_member_carries_is_that_of_the_matrices(
-    names: dict[str, Any],
-) -> None:
+def the_share_of_the_correction_that_no_member_carries_is_that_of_the_matrices(names: dict[str, Any]) -> None:
     updates = names["lab"].updates
     matrices = updates.matrices(updates.list()[-1].id)  # of the first update
     nodes = np.array([int(dof.split(":")[0]) for dof in matrices.dofs])
@@ -43,7 +28,7 @@ def test_the_share_of_the_correction_that_no_member_carries_is_that_of_the_matri
         assert lost > 0.5
 
 
-def test_modes_that_were_not_used_are_no_better(names: dict[str, Any]) -> None:
+def modes_that_were_not_used_are_no_better(names: dict[str, Any]) -> None:
     other, measured = names["direct"].other_modes, names["modes"].frequencies[4:]
     assert len(other.before) == len(other.after) == 42 - 2 - 4  # DoFs, rigid bodies, modes used
     own = names["lab"].structures.modes(names["model"].id, 8).frequencies[4:]
@@ -53,7 +38,7 @@ def test_modes_that_were_not_used_are_no_better(names: dict[str, Any]) -> None:
     np.testing.assert_allclose(after, before, rtol=0.1)
 
 
-def test_the_node_between_the_stiffer_members_is_named_first(names: dict[str, Any]) -> None:
+def the_node_between_the_stiffer_members_is_named_first(names: dict[str, Any]) -> None:
     errors = names["located"].dof_errors["force_balance"]
     assert len(names["located"].dofs) == len(errors) == 42
     # members 11 and 12 meet at node 12
@@ -66,7 +51,7 @@ def test_the_node_between_the_stiffer_members_is_named_first(names: dict[str, An
     assert max(far) < worst.error / 10
 
 
-def test_lossy_members_are_found_with_the_stiffer_ones(names: dict[str, Any]) -> None:
+def lossy_members_are_found_with_the_stiffer_ones(names: dict[str, Any]) -> None:
     update = names["update"]
     assert update.converged
     for part, unchanged, wrong in (
@@ -80,7 +65,7 @@ def test_lossy_members_are_found_with_the_stiffer_ones(names: dict[str, Any]) ->
         assert set(wrong) <= set(update.suspected[part])
 
 
-def test_all_coefficients_at_once_find_the_wrong_members_and_no_other(names: dict[str, Any]) -> None:
+def all_coefficients_at_once_find_the_wrong_members_and_no_other(names: dict[str, Any]) -> None:
     update, wrong = names["at_once"], {("mass", 25): 1.5, ("mass", 26): 1.5}
     wrong |= {("stiffness", member): 2.0 for member in (12, 13, 31)}
     assert update.converged
@@ -90,9 +75,7 @@ def test_all_coefficients_at_once_find_the_wrong_members_and_no_other(names: dic
         assert abs(update.coefficients[part][member] - value) < 4 * update.standard_errors[part][member]
 
 
-def test_a_study_finds_the_wrong_members_at_every_level_and_worse_with_more_noise(
-    names: dict[str, Any],
-) -> None:
+def a_study_finds_the_wrong_members_at_every_level_and_worse_with_more_noise(names: dict[str, Any]) -> None:
     study = names["study"]
     little, much = study.cells
     assert (little.level, much.level) == ("NL2", "NL4")
@@ -104,7 +87,7 @@ def test_a_study_finds_the_wrong_members_at_every_level_and_worse_with_more_nois
     assert study.wrong == {"mass": {25: 1.5, 26: 1.5}, "stiffness": {12: 2.0, 13: 2.0, 31: 2.0}}
 
 
-def test_the_guides_example_of_a_direction_is_named(names: dict[str, Any]) -> None:
+def the_guides_example_of_a_direction_is_named(names: dict[str, Any]) -> None:
     told = names["at_once"].identifiability.directions
     assert any("mass and stiffness of 10-12" in one.words for one in told)
     assert all(one.standard_error > 0.3 for one in told)
@@ -114,7 +97,7 @@ def test_the_guides_example_of_a_direction_is_named(names: dict[str, Any]) -> No
     assert sum(inside) >= 4  # each with 95 %: two of five outside in one draw of 50
 
 
-def test_a_thickness_is_found_and_no_modulus(names: dict[str, Any]) -> None:
+def a_thickness_is_found_and_no_modulus(names: dict[str, Any]) -> None:
     found = {(one.part, one.members[0]): one for one in names["sized"].quantities}
     # six exact modes at thirteen places, four coefficients: rounding
     assert found["thickness", 49].after == pytest.approx(0.0048, rel=1e-6)
@@ -122,13 +105,13 @@ def test_a_thickness_is_found_and_no_modulus(names: dict[str, Any]) -> None:
     assert found["thickness", 1].after == pytest.approx(0.004, rel=1e-6)
 
 
-def test_a_mass_is_found_at_its_node(names: dict[str, Any]) -> None:
+def a_mass_is_found_at_its_node(names: dict[str, Any]) -> None:
     (found,) = names["weighed"].quantities
     assert (found.members, found.unit) == ((117,), "kg")
     assert found.after == pytest.approx(0.08, rel=1e-6)  # exact modes, one coefficient: rounding
 
 
-def test_draws_lie_round_what_the_update_found(names: dict[str, Any]) -> None:
+def draws_lie_round_what_the_update_found(names: dict[str, Any]) -> None:
     likely, draws = names["likely"], names["draws"]
     assert draws.draws.shape[1] == len(draws.coefficients) == len(likely.posterior.coefficients) == 3
     for one, column in zip(likely.posterior.coefficients, draws.draws.T, strict=True):
@@ -138,13 +121,13 @@ def test_draws_lie_round_what_the_update_found(names: dict[str, Any]) -> None:
         assert column.min() < found < column.max()
 
 
-def test_a_joint_is_found_at_its_node(names: dict[str, Any]) -> None:
+def a_joint_is_found_at_its_node(names: dict[str, Any]) -> None:
     (found,) = names["joint"].quantities
     assert (found.members, found.unit) == ((11,), "N m/rad")
     assert found.after == pytest.approx(1.2e4, rel=1e-6)  # exact modes, one coefficient: rounding
 
 
-def test_responses_name_the_stiffer_members_without_modes(names: dict[str, Any]) -> None:
+def responses_name_the_stiffer_members_without_modes(names: dict[str, Any]) -> None:
     found = names["on_lines"]
     assert found.suspected["stiffness"] == (11, 12)
     # 21 responses at 400 lines: 1 +- 0.008, and what leakage or common noise there is
@@ -152,10 +135,39 @@ def test_responses_name_the_stiffer_members_without_modes(names: dict[str, Any])
     assert found.responses.before > 100
 
 
-def test_members_in_macro_elements_by_a_rule_are_found(names: dict[str, Any]) -> None:
+def members_in_macro_elements_by_a_rule_are_found(names: dict[str, Any]) -> None:
     found = names["parted"]
     assert set(range(1, 9)) <= set(found.suspected["mass"])
     assert len(found.coefficients["mass"]) == 96
     # exact modes, members of suspected macro elements one by one: the tolerance of the iteration
     for member, value in found.coefficients["mass"].items():
         assert value == pytest.approx(1.5 if member < 9 else 1.0, abs=1e-4)
+
+
+CHECKS = [
+    corrected_matrices_have_the_modes_that_were_used,
+    the_share_of_the_correction_that_no_member_carries_is_that_of_the_matrices,
+    modes_that_were_not_used_are_no_better,
+    the_node_between_the_stiffer_members_is_named_first,
+    lossy_members_are_found_with_the_stiffer_ones,
+    all_coefficients_at_once_find_the_wrong_members_and_no_other,
+    a_study_finds_the_wrong_members_at_every_level_and_worse_with_more_noise,
+    the_guides_example_of_a_direction_is_named,
+    a_thickness_is_found_and_no_modulus,
+    a_mass_is_found_at_its_node,
+    draws_lie_round_what_the_update_found,
+    a_joint_is_found_at_its_node,
+    responses_name_the_stiffer_members_without_modes,
+    members_in_macro_elements_by_a_rule_are_found,
+]
+
+
+@pytest.fixture(scope="module")
+def found_wrong(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """What each check found wrong after the page ran in a new interpreter and an empty folder."""
+    return outcomes("updating.md", tmp_path_factory.mktemp("guide"), CHECKS)
+
+
+@pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__)
+def test_the_examples_give_what_the_page_says(check: Check, found_wrong: dict[str, str]) -> None:
+    assert not found_wrong[check.__name__], found_wrong[check.__name__]

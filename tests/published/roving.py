@@ -27,20 +27,21 @@ def hidden_beam() -> Structure:
     )
 
 
-def _measure() -> tuple[FloatArray, FloatArray]:
+def _measure() -> tuple[FloatArray, FloatArray, FloatArray]:
     bare = assemble(hidden_beam()).add_mass(DOFS[0].node, _BEAM["force_transducer_mass"])
-    frequencies, constants = [], []
+    frequencies, loss_factors, constants = [], [], []
     for dof in DOFS:
         loaded = bare.add_mass(dof.node, _BEAM["accelerometer_mass"])
         basis = loaded.modes().elastic(_N_MODES)
         drive, response = loaded.selection((DOFS[0], dof)).T @ basis.shapes.real
         frequencies.append(basis.frequencies)
+        loss_factors.append(basis.loss_factors)
         constants.append(drive * response)
-    return np.array(frequencies), np.array(constants)
+    return np.array(frequencies), np.array(loss_factors), np.array(constants)
 
 
-# (n_positions, n_modes) Hz, and shapes (n_positions, n_modes) with phi_j = A_1j / sqrt(A_11)
-FREQUENCIES, _CONSTANTS = _measure()
+# (n_positions, n_modes) Hz and 1, and shapes (n_positions, n_modes) with phi_j = A_1j / sqrt(A_11)
+FREQUENCIES, LOSS_FACTORS, _CONSTANTS = _measure()
 SHAPES: FloatArray = _CONSTANTS / np.sqrt(_CONSTANTS[0])
 
 

@@ -1,4 +1,4 @@
-"""The page in the browser, and the reference of the API: files of this package, no other host."""
+"""The page in the browser, and the reference of the API: files of this computer, no other host."""
 
 import gzip
 import mimetypes
@@ -8,8 +8,10 @@ from typing import Annotated
 
 from fastapi import APIRouter, Header, HTTPException
 from starlette.responses import Response
+from swagger_ui_bundle import swagger_ui_path
 
 STATIC = Path(__file__).parent / "static"
+SWAGGER = ("swagger-ui-bundle.js", "swagger-ui.css")  # what the reference needs of Swagger UI
 
 _COMMON = "default-src 'none'; script-src 'self'; connect-src 'self'; font-src 'self'; base-uri 'none'; "
 _CLOSED = "form-action 'none'; frame-ancestors 'none'"
@@ -74,16 +76,18 @@ def _file(path: str, accepted: str, policy: str, keep: str = _ALWAYS_ASK) -> Res
 
 
 @cache
-def _files() -> frozenset[str]:
+def _files() -> dict[str, Path]:
     """Return the files there are: a name of a request is looked up here, and never opened."""
-    return frozenset(path.relative_to(STATIC).as_posix() for path in STATIC.rglob("*") if path.is_file())
+    own = {path.relative_to(STATIC).as_posix(): path for path in STATIC.rglob("*") if path.is_file()}
+    return own | {f"docs/{name}": Path(swagger_ui_path / name) for name in SWAGGER}
 
 
 @cache
 def _content(path: str, *, zipped: bool) -> bytes | None:
-    if path not in _files():
+    file = _files().get(path)
+    if file is None:
         return None
-    content = (STATIC / path).read_bytes()
+    content = file.read_bytes()
     return gzip.compress(content, mtime=0) if zipped and Path(path).suffix not in _COMPRESSED else content
 
 

@@ -6,6 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from swagger_ui_bundle import swagger_ui_path
+
+from modallab.api.page.router import STATIC
 
 FOREIGN = re.compile(r"""(?:src|href)=["'](?:https?:)?//""")
 FIRST_LOAD = 115_000  # bytes of the files; replies of the API add some 27 kB, and all shall be below 150 kB
@@ -73,6 +76,15 @@ def test_the_reference_of_the_api_needs_no_other_host(service: Any) -> None:
         assert service.request("GET", f"/{name}").status_code == 200, name
     assert 'url: "./openapi.json"' in service.request("GET", "/docs/start.js").text
     assert service.get("/openapi.json")["info"]["title"] == "modallab"
+
+
+def test_the_reference_s_program_is_that_of_its_package_and_no_copy(service: Any) -> None:
+    for name, kind in (("swagger-ui-bundle.js", "text/javascript"), ("swagger-ui.css", "text/css")):
+        reply = service.request("GET", f"/docs/{name}")
+        assert reply.headers["content-type"].startswith(kind)
+        assert reply.content == Path(swagger_ui_path / name).read_bytes()
+        assert not (STATIC / "docs" / name).exists()
+    assert service.request("GET", "/docs/swagger-ui-bundle.js.map").status_code == 404
 
 
 @pytest.mark.parametrize(

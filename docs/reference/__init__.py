@@ -1,0 +1,1 @@
+"""Pages of the API reference, from docs/openapi.json."""
