@@ -48,7 +48,7 @@ State = Annotated[JobState | None, Query(description="state of the jobs; left ou
 JobReply: Any = reply(
     Job,
     "JobStatus",
-    leave_out=("arguments",),
+    leave_out=("arguments", "turn"),
     result_id=(str | None, "Id of the result; null until the job has succeeded."),
     error=(dict[str, Any] | None, "Problem document of a failed job; else null."),
 )

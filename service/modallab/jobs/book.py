@@ -1,22 +1,19 @@
 """The book of jobs: one row each, written by whoever works on it."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping
 from datetime import UTC, datetime
-from statistics import median
 from typing import Any
 
 import sqlalchemy as sa
 
 from modallab.core.errors import NotFoundError
-from modallab.jobs.runner import Job, JobState, KeyReusedError, QueueFullError, RequestKey
-from modallab.jobs.settings import JOB
+from modallab.jobs.queue import ACTIVE, next_turn, with_places
+from modallab.jobs.runner import Job, JobState, KeyReusedError, Lane, QueueFullError, RequestKey
 from modallab.store.sql import new_id
 from modallab.store.tables import JOBS
 from modallab.store.viewer import EVERYONE, Viewer, manageable
 
 _UNSHOWN = ("restarts", "request_key", "request_digest")
-_ACTIVE = JOBS.c.state.in_([JobState.QUEUED.value, JobState.RUNNING.value])
 
 
 class JobBook:
@@ -26,7 +23,13 @@ class JobBook:
         self._engine, self._queue_length = engine, queue_length
 
     def open(
-        self, task: str, arguments: Mapping[str, Any], *, owner: str, request: RequestKey | None = None
+        self,
+        task: str,
+        arguments: Mapping[str, Any],
+        *,
+        owner: str,
+        lane: Lane = Lane.LONG,
+        request: RequestKey | None = None,
     ) -> Job:
         """Enter a job and return it; the job of the same request if there was one.
 
@@ -52,6 +55,8 @@ class JobBook:
             "restarts": 0,
             "request_key": None if request is None else request.key,
             "request_digest": None if request is None else request.digest,
+            "lane": lane.value,
+            "turn": next_turn(owner, lane),
         }
         queue_length = sa.select(sa.func.count()).where(JOBS.c.state == JobState.QUEUED.value)
         try:
@@ -117,34 +122,19 @@ class JobBook:
         return self._with_places(jobs)
 
     def _with_places(self, jobs: list[Job]) -> list[Job]:
-        """Return jobs, those that wait with their places in the queue and the times until they begin."""
-        if not any(job.state is JobState.QUEUED for job in jobs):
-            return jobs
-        query = sa.select(JOBS.c.id, JOBS.c.task, JOBS.c.state).where(_ACTIVE)
         with self._engine.begin() as connection:
-            active = connection.execute(query.order_by(JOBS.c.created, JOBS.c.id)).all()
-            durations = {task: _usual_duration(connection, task) for task in {row.task for row in active}}
-        under_way = [row.task for row in active if row.state == JobState.RUNNING.value]
-        waiting = [(row.id, row.task) for row in active if row.state == JobState.QUEUED.value]
-        places = {job_id: place for place, (job_id, _) in enumerate(waiting)}
-        tasks = [task for _, task in waiting]
-        return [
-            job
-            if (place := places.get(job.id)) is None
-            else replace(job, place=place + 1, wait_estimate=_wait(tasks[:place], under_way, durations))
-            for job in jobs
-        ]
+            return with_places(connection, jobs)
 
     def active(self) -> list[str]:
         """Return the ids of all jobs that have not ended, oldest first."""
         with self._engine.begin() as connection:
             return list(
-                connection.execute(sa.select(JOBS.c.id).where(_ACTIVE).order_by(JOBS.c.created)).scalars()
+                connection.execute(sa.select(JOBS.c.id).where(ACTIVE).order_by(JOBS.c.created)).scalars()
             )
 
     def is_active(self, job_id: str) -> bool:
         """Tell whether a job has not ended."""
-        query = sa.select(JOBS.c.id).where(JOBS.c.id == job_id, _ACTIVE)
+        query = sa.select(JOBS.c.id).where(JOBS.c.id == job_id, ACTIVE)
         with self._engine.begin() as connection:
             return connection.execute(query).first() is not None
 
@@ -180,41 +170,15 @@ class JobBook:
         return self._change(job_id, state=state.value, message=message, ended=_now(), **values)
 
     def _change(self, job_id: str, **values: Any) -> bool:
-        update = JOBS.update().where(JOBS.c.id == job_id, _ACTIVE).values(**values)
+        update = JOBS.update().where(JOBS.c.id == job_id, ACTIVE).values(**values)
         with self._engine.begin() as connection:
             return connection.execute(update).rowcount == 1
 
 
 def _job(row: Mapping[str, Any]) -> Job:
     fields = {name: value for name, value in row.items() if name not in _UNSHOWN}
-    return Job(**dict(fields, state=JobState(row["state"])))
+    return Job(**dict(fields, state=JobState(row["state"]), lane=Lane(row["lane"])))
 
 
 def _now() -> str:
     return datetime.now(UTC).isoformat(timespec="microseconds")
-
-
-def _usual_duration(connection: sa.Connection, task: str) -> float | None:
-    """Return the median time, s, of the latest jobs of a task; None if there was none."""
-    query = sa.select(JOBS.c.started, JOBS.c.ended).where(
-        JOBS.c.task == task, JOBS.c.state == JobState.SUCCEEDED.value, JOBS.c.started.is_not(None)
-    )
-    latest = connection.execute(query.order_by(JOBS.c.ended.desc()).limit(JOB.latest_jobs)).all()
-    durations = [
-        (datetime.fromisoformat(ended) - datetime.fromisoformat(started)).total_seconds()
-        for started, ended in latest
-        if ended is not None
-    ]
-    return median(durations) if durations else None
-
-
-def _wait(
-    before: Sequence[str], under_way: Sequence[str], durations: Mapping[str, float | None]
-) -> float | None:
-    """Return the time, s, until a job may begin: what is before it, shared by as many as work now."""
-    known = [durations[name] for name in before]
-    half_done = [durations[name] for name in under_way]
-    if any(duration is None for duration in (*known, *half_done)):
-        return None
-    work = sum(filter(None, known)) + sum(filter(None, half_done)) / 2
-    return work / max(1, len(under_way))

@@ -11,10 +11,11 @@ import sqlalchemy as sa
 from dbos import DBOS, DBOSClient, Serializer
 from dbos import _queue as dbos_queue
 
+from modallab.jobs.runner import Job, Lane
 from modallab.jobs.wake import Bell, Listener, Notifier
 
 NAME = "modallab"
-QUEUE = "jobs"
+QUEUES = {Lane.LONG: "jobs", Lane.SHORT: "short"}
 # Of their own: a job keeps its place in the queue while others make its shares.
 SHARES = "shares"
 # Jobs go on only under the version they were queued under. It names the shape of the workflow
@@ -62,17 +63,23 @@ class DbosEngine:
         pending = self._client.list_workflows(status="PENDING", load_input=False, load_output=False)
         return {workflow.executor_id for workflow in pending if workflow.executor_id}
 
-    def enqueue(self, job_id: str) -> None:
-        """Queue a job that DBOS does not know."""
+    def enqueue(self, job: Job) -> None:
+        """Queue a job that DBOS does not know: it sorts by priority, which is from 1 on, and by age."""
         self._client.enqueue(
-            {"workflow_name": "job", "queue_name": QUEUE, "workflow_id": job_id, "app_version": VERSION},
-            job_id,
+            {
+                "workflow_name": "job",
+                "queue_name": QUEUES[job.lane],
+                "workflow_id": job.id,
+                "app_version": VERSION,
+                "priority": job.turn + 1,
+            },
+            job.id,
         )
         self._notifier.ring()
 
-    def restart(self, job_id: str) -> None:
+    def restart(self, job: Job) -> None:
         """Queue a job anew that DBOS has ended."""
-        self._client.rewind_workflow(job_id, application_version=VERSION, queue_name=QUEUE)
+        self._client.rewind_workflow(job.id, application_version=VERSION, queue_name=QUEUES[job.lane])
         self._notifier.ring()
 
     def stop(self, job_id: str) -> None:
@@ -86,7 +93,9 @@ class DbosEngine:
         )
         for workflow in pending:
             # Only while it is still that executor's: two that take over at once disturb nothing.
-            self._client._sys_db.reenqueue_for_recovery(workflow.workflow_id, list(executor_ids), QUEUE)
+            self._client._sys_db.reenqueue_for_recovery(
+                workflow.workflow_id, list(executor_ids), QUEUES[Lane.LONG]
+            )
         self._notifier.ring()
 
 

@@ -20,7 +20,7 @@ from dbos import error as dbos_error
 from modallab.jobs.book import JobBook
 from modallab.jobs.dbos_engine import (
     NAME,
-    QUEUE,
+    QUEUES,
     SHARES,
     VERSION,
     DbosEngine,
@@ -32,7 +32,7 @@ from modallab.jobs.executors import Executor, ExecutorBook, Watch
 from modallab.jobs.outages import is_outage, patiently
 from modallab.jobs.processes import WorkerProcesses
 from modallab.jobs.reconciler import Reconciler
-from modallab.jobs.runner import Job, JobState, RequestKey, time_limit_error
+from modallab.jobs.runner import Job, JobState, Lane, RequestKey, time_limit_error
 from modallab.jobs.settings import JOB
 from modallab.jobs.wake import Bell, Notifier
 from modallab.jobs.work import INTERNAL, count_shares, describe, log_end, perform, perform_share
@@ -76,9 +76,10 @@ _step = partial(
 @_step(name="perform")
 async def _perform(job_id: str, shares: Sequence[Result] | None) -> None:
     assert _site is not None
+    lane = (await to_thread.run_sync(patiently, _site.book.get, job_id)).lane
     try:
         with anyio.fail_after(JOB.time_limit):
-            fault = await _site.processes.run(perform, _site.place, job_id, shares)
+            fault = await _site.processes.run(perform, _site.place, job_id, shares, lane=lane)
     except TimeoutError:
         await to_thread.run_sync(patiently, _site.book.fail, job_id, describe(time_limit_error()))
         return
@@ -91,7 +92,9 @@ async def _perform_share(job_id: str, index: int) -> Result:
     assert _site is not None
     try:
         with anyio.fail_after(JOB.time_limit):
-            result, fault = await _site.processes.run(perform_share, _site.place, job_id, index)
+            result, fault = await _site.processes.run(
+                perform_share, _site.place, job_id, index, lane=Lane.LONG
+            )
     except TimeoutError:
         _log.error("share of a job took too long", job=job_id, share=index)
         return None
@@ -207,8 +210,9 @@ class DurableRunner:
 
     async def _launch(self, executor_id: str) -> None:
         global _site
-        cores = max(1, (os.cpu_count() or 1) - 1)
-        _site = _Site(self._place, self._book, WorkerProcesses(cores), self._notifier)
+        # One is kept for short jobs, so that there are two even where there is one core.
+        most = max(2, (os.cpu_count() or 1) - 1)
+        _site = _Site(self._place, self._book, WorkerProcesses(most, most_long=most - 1), self._notifier)
         DBOS(
             config={
                 "name": NAME,
@@ -225,19 +229,15 @@ class DurableRunner:
         # In the thread of the server's event loop, which DBOS then uses: `to_process` ties its worker
         # processes to the loop's root task, and a loop of DBOS's own has none that lasts.
         DBOS.launch()
-        await DBOS.register_queue_async(
-            QUEUE,
-            worker_concurrency=cores,
-            polling_interval_sec=JOB.polling_interval,
-            on_conflict="always_update",
-        )
-        # One more than can be worked on: it is there when a process is free, without another poll.
-        await DBOS.register_queue_async(
-            SHARES,
-            worker_concurrency=cores + 1,
-            polling_interval_sec=JOB.polling_interval,
-            on_conflict="always_update",
-        )
+        # One more share than can be worked on: it is there when a process is free, without another poll.
+        queues = {QUEUES[Lane.LONG]: most - 1, QUEUES[Lane.SHORT]: most, SHARES: most}
+        for name, places in queues.items():
+            await DBOS.register_queue_async(
+                name,
+                worker_concurrency=places,
+                polling_interval_sec=JOB.polling_interval,
+                on_conflict="always_update",
+            )
 
     async def __aexit__(self, *exception: object) -> None:
         """Stop; jobs under way are queued anew, for whichever executor is free."""
@@ -265,14 +265,19 @@ class DurableRunner:
             _log.warning("jobs could not be handed back", error=str(error).splitlines()[0])
 
     def submit(
-        self, task: str, arguments: Mapping[str, Any], *, owner: str, request: RequestKey | None = None
+        self,
+        task: str,
+        arguments: Mapping[str, Any],
+        *,
+        owner: str,
+        lane: Lane = Lane.LONG,
+        request: RequestKey | None = None,
     ) -> Job:
         """Queue a task and return its job."""
-        job = self._book.open(task, arguments, owner=owner, request=request)
+        job = self._book.open(task, arguments, owner=owner, lane=lane, request=request)
         assert self._client is not None
-        DbosEngine(self._client, self._notifier).enqueue(
-            job.id
-        )  # an id that is queued already is queued once
+        # An id that is queued already is queued once.
+        DbosEngine(self._client, self._notifier).enqueue(job)
         _log.info("job queued", job=job.id, task=task)
         return job
 

@@ -16,6 +16,7 @@ import structlog
 
 from modallab.jobs.book import JobBook
 from modallab.jobs.executors import Executor, ExecutorBook, Watch
+from modallab.jobs.runner import Job
 from modallab.jobs.settings import JOB
 from modallab.jobs.work import INTERNAL
 
@@ -37,11 +38,11 @@ class Engine(Protocol):
         """Return the names of the executors that jobs run on."""
         ...
 
-    def enqueue(self, job_id: str) -> None:
+    def enqueue(self, job: Job) -> None:
         """Queue a job that the engine does not know."""
         ...
 
-    def restart(self, job_id: str) -> None:
+    def restart(self, job: Job) -> None:
         """Queue a job anew that the engine has ended."""
         ...
 
@@ -108,7 +109,7 @@ class Reconciler:
         unknown = {job_id for job_id in active if job_id not in states}
         ended = {job_id for job_id in active if states.get(job_id) is False}
         unwanted = self._engine.unfinished() - active
-        self._settle("unknown", unknown, self._engine.enqueue, active=True)
+        self._settle("unknown", unknown, self._enqueue, active=True)
         self._settle("ended", ended, self._restart, active=True)
         self._settle("unwanted", unwanted, self._engine.stop, active=False)
 
@@ -138,9 +139,12 @@ class Reconciler:
                 act(job_id)
         self._suspects[what] = job_ids
 
+    def _enqueue(self, job_id: str) -> None:
+        self._engine.enqueue(self._book.get(job_id))
+
     def _restart(self, job_id: str) -> None:
         """Queue a job anew that the engine has ended and the book has not."""
         if self._book.count_restart(job_id) > JOB.max_restarts:
             self._book.fail(job_id, INTERNAL)
         else:
-            self._engine.restart(job_id)
+            self._engine.restart(self._book.get(job_id))

@@ -67,6 +67,11 @@ JOBS = sa.Table(
     sa.Column("ended", sa.String(40)),
     sa.Column("request_key", sa.String(128)),  # of the request that started it
     sa.Column("request_digest", sa.String(64)),
+    sa.Column("lane", sa.String(16), nullable=False, server_default="long"),
+    sa.Column("turn", sa.Integer, nullable=False, server_default="0"),  # its owner's, in the lane
+    sa.Index("ix_jobs_turn", "lane", "owner", "turn"),
+    sa.Index("ix_jobs_lane", "lane", "turn"),
+    sa.Index("ix_jobs_task", "task", "state", "ended"),
     sa.Index("ix_jobs_request", "owner", "request_key", unique=True),
     sa.Index("ix_jobs_created", "owner", "created", "id"),
     sa.Index("ix_jobs_age", "created", "id"),

@@ -1,0 +1,26 @@
+"""Turns of owners in the queue of jobs, and its two lanes."""
+
+import sqlalchemy as sa
+from alembic import op
+
+revision = "0006"
+down_revision = "0005"
+branch_labels = None
+depends_on = None
+
+
+def upgrade() -> None:
+    """Add the columns; what waits already comes first, in its order."""
+    op.add_column("jobs", sa.Column("lane", sa.String(16), nullable=False, server_default="long"))
+    op.add_column("jobs", sa.Column("turn", sa.Integer(), nullable=False, server_default="0"))
+    op.create_index("ix_jobs_turn", "jobs", ["lane", "owner", "turn"])
+    op.create_index("ix_jobs_lane", "jobs", ["lane", "turn"])
+    op.create_index("ix_jobs_task", "jobs", ["task", "state", "ended"])
+
+
+def downgrade() -> None:
+    """Drop them."""
+    for index in ("ix_jobs_task", "ix_jobs_lane", "ix_jobs_turn"):
+        op.drop_index(index, "jobs")
+    for name in ("turn", "lane"):
+        op.drop_column("jobs", name)
