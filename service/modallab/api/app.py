@@ -12,6 +12,7 @@ from modallab.api import about, catalog, classes, document, jobs, keys, limit_li
 from modallab.api.access import OPERATORS, PERSONS
 from modallab.api.body_limit import BodyLimit
 from modallab.api.correlations import router as correlations
+from modallab.api.deps import ROOM
 from modallab.api.diagnoses import router as diagnoses
 from modallab.api.gate import Gate
 from modallab.api.logs import RequestId
@@ -47,7 +48,9 @@ class Lab(FastAPI):
 
 def job_book(settings: ServiceSettings) -> JobBook:
     """Return the book of jobs that the settings name."""
-    return JobBook(engine_of(settings.store_place), queue_length=settings.queue_length)
+    return JobBook(
+        engine_of(settings.store_place), queue_length=settings.queue_length, quotas=settings.queue_quotas
+    )
 
 
 def durable_runner(settings: ServiceSettings) -> DurableRunner:
@@ -112,7 +115,7 @@ def create_app(
 def _routes() -> APIRouter:
     v1 = APIRouter(prefix="/v1", dependencies=[Depends(check_request)])
     for part in (structures, rigs, measurements, modal_models, correlations, updates, studies, diagnoses):
-        v1.include_router(part.router, dependencies=[PERSONS])
+        v1.include_router(part.router, dependencies=[PERSONS, ROOM])
     for router in (jobs.router, catalog.router):
         v1.include_router(router, dependencies=[PERSONS])
     for router in (keys.router, classes.router, sessions.router, about.router, limit_list.router):

@@ -131,6 +131,12 @@ class JobStreamSettings(Settings):
     retry_after: int = setting(
         5, unit="s", doc="`Retry-After` of a full queue", derived="about the length of a short job"
     )
+    retry_after_removal: int = setting(
+        60,
+        unit="s",
+        doc="`Retry-After` where as much is stored as may be",
+        derived="somebody has to remove something; longer than a client waits of itself",
+    )
 
 
 @dataclass(frozen=True)

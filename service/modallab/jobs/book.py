@@ -7,8 +7,9 @@ from typing import Any
 import sqlalchemy as sa
 
 from modallab.core.errors import NotFoundError
-from modallab.jobs.queue import ACTIVE, next_turn, with_places
-from modallab.jobs.runner import Job, JobState, KeyReusedError, Lane, QueueFullError, RequestKey
+from modallab.jobs.queue import ACTIVE, check_room, next_turn, with_places
+from modallab.jobs.runner import Job, JobState, KeyReusedError, Lane, RequestKey
+from modallab.store.quotas import NO_QUOTAS, Quotas
 from modallab.store.sql import new_id
 from modallab.store.tables import JOBS
 from modallab.store.viewer import EVERYONE, Viewer, manageable
@@ -19,8 +20,8 @@ _UNSHOWN = ("restarts", "request_key", "request_digest")
 class JobBook:
     """Jobs in the store's database. Rows that have ended never change again."""
 
-    def __init__(self, engine: sa.Engine, *, queue_length: int) -> None:
-        self._engine, self._queue_length = engine, queue_length
+    def __init__(self, engine: sa.Engine, *, queue_length: int, quotas: Quotas = NO_QUOTAS) -> None:
+        self._engine, self._queue_length, self._quotas = engine, queue_length, quotas
 
     def open(
         self,
@@ -35,8 +36,8 @@ class JobBook:
 
         Raises
         ------
-        QueueFullError
-            If too many wait.
+        QueueFullError, QueueQuotaError
+            If too many wait, of all or of the owner and the class.
         KeyReusedError
             If another request of the owner had the key.
         """
@@ -58,12 +59,12 @@ class JobBook:
             "lane": lane.value,
             "turn": next_turn(owner, lane),
         }
-        queue_length = sa.select(sa.func.count()).where(JOBS.c.state == JobState.QUEUED.value)
         try:
             with self._engine.begin() as connection:
-                if connection.execute(queue_length).scalar_one() >= self._queue_length:
-                    raise QueueFullError("as many jobs wait as may", allowed=self._queue_length)
+                if connection.dialect.name == "postgresql":  # SQLite has one writer at a time anyway
+                    connection.execute(sa.select(sa.func.pg_advisory_xact_lock(sa.func.hashtext(owner))))
                 connection.execute(JOBS.insert().values(**row))
+                check_room(connection, owner, self._queue_length, self._quotas)
         except sa.exc.IntegrityError:  # the same request came twice at once
             if request is None or (known := self._of_request(owner, request)) is None:
                 raise

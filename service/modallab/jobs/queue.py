@@ -12,8 +12,9 @@ from statistics import median
 
 import sqlalchemy as sa
 
-from modallab.jobs.runner import Job, JobState, Lane
+from modallab.jobs.runner import Job, JobState, Lane, QueueFullError, QueueQuotaError
 from modallab.jobs.settings import JOB
+from modallab.store.quotas import Quotas
 from modallab.store.tables import JOBS
 
 ACTIVE = JOBS.c.state.in_([JobState.QUEUED.value, JobState.RUNNING.value])
@@ -30,6 +31,16 @@ def next_turn(owner: str, lane: Lane) -> sa.ScalarSelect[int]:
     own = own.where(in_lane, JOBS.c.owner == owner, sa.or_(began, ACTIVE))
     turns = sa.union_all(present, own).subquery()
     return sa.select(sa.func.coalesce(sa.func.max(turns.c.turn), 0)).scalar_subquery()
+
+
+def check_room(connection: sa.Connection, owner: str, queue_length: int, quotas: Quotas) -> None:
+    """Raise if more jobs wait than may: of the owner, of the class, or of all."""
+    waiting = sa.select(sa.func.count()).where(JOBS.c.state == JobState.QUEUED.value)
+    if (excess := quotas.excess(connection, owner, JOBS.c.owner, waiting)) is not None:
+        name, quota = excess
+        raise QueueQuotaError(f"as many jobs of this {name} wait as may", allowed=quota)
+    if connection.execute(waiting).scalar_one() > queue_length:
+        raise QueueFullError("as many jobs wait as may", allowed=queue_length)
 
 
 def with_places(connection: sa.Connection, jobs: list[Job]) -> list[Job]:

@@ -92,6 +92,12 @@ class QueueFullError(ModalLabError):
     code = "queue_full"
 
 
+class QueueQuotaError(ModalLabError):
+    """As many jobs of a key, or of a class, wait as may; try again later."""
+
+    code = "queue_quota"
+
+
 class TimeLimitError(ModalLabError):
     """A job took longer than one may."""
 
@@ -134,8 +140,8 @@ class JobRunner(Protocol):
 
         Raises
         ------
-        QueueFullError
-            If too many wait.
+        QueueFullError, QueueQuotaError
+            If too many wait, of all or of the owner and the class.
         KeyReusedError
             If another request of the owner had the key.
         """

@@ -1,13 +1,17 @@
 """The order of the queue: owners take turns, and what a job is told of its place is what happens."""
 
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
 from modallab.jobs.book import JobBook
 from modallab.jobs.durable import JobPlace
-from modallab.jobs.runner import Lane
+from modallab.jobs.runner import Lane, QueueQuotaError
+from modallab.store.keys import KeyBook, Role
 from modallab.store.place import StorePlace, engine_of
+from modallab.store.quotas import Quotas
+from modallab.store.viewer import LOCAL
 
 Places = tuple[StorePlace, JobPlace]
 TASK = "update_and_store"
@@ -76,3 +80,46 @@ def test_lanes_have_places_of_their_own(book: JobBook) -> None:
     assert placed(book, long) == [1, 2, 3]
     assert placed(book, short) == [1, 2]
     assert [job.place for job in book.find(limit=500)] == [2, 1, 3, 2, 1]
+
+
+def class_of(places: Places, n: int) -> list[str]:
+    """Return the ids of the keys of a class."""
+    keys = KeyBook(engine_of(places[0]))
+    admin = keys.create("admin", Role.ADMIN).key
+    (teacher,) = keys.create_several(["teacher"], Role.INSTRUCTOR)
+    assert admin.role is Role.ADMIN
+    members = keys.create_several([f"{i}" for i in range(n)], Role.STUDENT, class_id="class")
+    return [teacher.key.id, *(new.key.id for new in members)]
+
+
+def test_one_key_that_has_queued_too_much_is_refused_and_others_are_not(places: Places) -> None:
+    book = JobBook(engine_of(places[0]), queue_length=100, quotas=Quotas(3, 5))
+    teacher, ann, bea, cid = class_of(places, 3)
+    mine = queued(book, ann, 3)
+    with pytest.raises(QueueQuotaError, match="key"):
+        book.open(TASK, {}, owner=ann)
+    assert len(book.find(owner=ann)) == 3  # what was refused has left nothing
+    book.start(mine[0])
+    queued(book, ann, 1)
+    queued(book, bea, 2)
+    with pytest.raises(QueueQuotaError, match="class") as caught:
+        book.open(TASK, {}, owner=cid)
+    assert caught.value.context["allowed"] == 5
+    queued(book, teacher, 3)  # of no class
+    queued(book, LOCAL, 20)
+
+
+def test_a_quota_holds_for_requests_that_come_at_once(places: Places) -> None:
+    book = JobBook(engine_of(places[0]), queue_length=100, quotas=Quotas(5))
+
+    def ask(_: int) -> bool:
+        try:
+            book.open(TASK, {}, owner="ann")
+        except QueueQuotaError:
+            return False
+        return True
+
+    with ThreadPoolExecutor(8) as pool:
+        assert sum(pool.map(ask, range(24))) == 5
+    assert {job.place for job in book.find(owner="ann")} == {1, 2, 3, 4, 5}
+    assert sorted(job.turn for job in book.find(owner="ann")) == [0, 1, 2, 3, 4]
