@@ -29,6 +29,7 @@ from modallab.api.studies import router as studies
 from modallab.api.updates import router as updates
 from modallab.jobs.book import JobBook
 from modallab.jobs.durable import DurableRunner
+from modallab.jobs.retention import Retention
 from modallab.jobs.runner import JobRunner
 from modallab.store.classes import ClassBook
 from modallab.store.keys import KeyBook
@@ -55,12 +56,14 @@ def job_book(settings: ServiceSettings) -> JobBook:
 
 def durable_runner(settings: ServiceSettings) -> DurableRunner:
     """Return the runner that the settings name; with role `api` it only submits."""
+    book, days = job_book(settings), settings.retention_days
     return DurableRunner(
-        job_book(settings),
+        book,
         settings.store_place,
         settings.job_place,
         executor_id=settings.executor_id,
         runs=settings.role == "all",
+        retention=None if days is None else Retention(book, settings.store_place, days),
     )
 
 

@@ -58,6 +58,9 @@ class ServiceSettings(BaseSettings):
     job_seconds: float = Field(
         default=3600.0, gt=0, description="s, estimated duration above which a job is refused"
     )
+    retention_days: float | None = Field(
+        default=None, gt=0, description="days after which ended jobs and unnamed results are removed"
+    )
     body_limit: int = Field(default=5_000_000, ge=1, description="bytes of a JSON request")
     upload_limit: int = Field(default=200_000_000, ge=1, description="bytes of an import, unpacked too")
 

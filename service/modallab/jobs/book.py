@@ -1,6 +1,6 @@
 """The book of jobs: one row each, written by whoever works on it."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any
 
@@ -132,6 +132,22 @@ class JobBook:
             return list(
                 connection.execute(sa.select(JOBS.c.id).where(ACTIVE).order_by(JOBS.c.created)).scalars()
             )
+
+    def needs(self) -> list[Mapping[str, Any]]:
+        """Return the arguments of all jobs that have not ended."""
+        with self._engine.begin() as connection:
+            return list(connection.execute(sa.select(JOBS.c.arguments).where(ACTIVE)).scalars())
+
+    def ended_before(self, time: str) -> list[str]:
+        """Return the ids of the jobs that ended before a time, ISO 8601."""
+        query = sa.select(JOBS.c.id).where(~ACTIVE, sa.func.coalesce(JOBS.c.ended, JOBS.c.created) < time)
+        with self._engine.begin() as connection:
+            return list(connection.execute(query).scalars())
+
+    def remove(self, job_ids: Sequence[str]) -> None:
+        """Forget jobs that have ended."""
+        with self._engine.begin() as connection:
+            connection.execute(JOBS.delete().where(JOBS.c.id.in_(job_ids), ~ACTIVE))
 
     def is_active(self, job_id: str) -> bool:
         """Tell whether a job has not ended."""

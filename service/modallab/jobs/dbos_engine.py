@@ -86,6 +86,10 @@ class DbosEngine:
         """Stop a job that is not wanted any more."""
         self._client.cancel_workflow(job_id, cancel_children=True)
 
+    def forget(self, job_ids: Sequence[str]) -> None:
+        """Remove what DBOS knows of jobs that have ended, and of their shares."""
+        self._client.delete_workflows(list(job_ids), delete_children=True)
+
     def recover(self, executor_ids: Sequence[str]) -> None:
         """Queue anew what ran on lost executors."""
         pending = self._client.list_workflows(

@@ -32,6 +32,7 @@ from modallab.jobs.executors import Executor, ExecutorBook, Watch
 from modallab.jobs.outages import is_outage, patiently
 from modallab.jobs.processes import WorkerProcesses
 from modallab.jobs.reconciler import Reconciler
+from modallab.jobs.retention import Retention
 from modallab.jobs.runner import Job, JobState, Lane, RequestKey, time_limit_error
 from modallab.jobs.settings import JOB
 from modallab.jobs.wake import Bell, Notifier
@@ -169,6 +170,8 @@ class DurableRunner:
         Name of this process among those that run jobs; None: made from host and process.
     runs
         Whether it runs jobs.
+    retention
+        What is removed when it is old; None: nothing is.
     """
 
     def __init__(
@@ -179,8 +182,9 @@ class DurableRunner:
         *,
         executor_id: str | None = None,
         runs: bool = True,
+        retention: Retention | None = None,
     ) -> None:
-        self._book, self._place, self._jobs = book, place, jobs
+        self._book, self._place, self._jobs, self._retention = book, place, jobs, retention
         self._executor = Executor.here(executor_id) if runs else None
         self._executors, self._watch = ExecutorBook(engine_of(place)), Watch()
         self._engine = make_engine(jobs.url, schema=jobs.schema)
@@ -203,7 +207,11 @@ class DurableRunner:
         self._client = await to_thread.run_sync(connected, self._engine, self._jobs.schema)
         if self._executor is not None:
             self._reconciler = Reconciler(
-                self._executor, self._executors, self._book, DbosEngine(self._client, self._notifier)
+                self._executor,
+                self._executors,
+                self._book,
+                DbosEngine(self._client, self._notifier),
+                self._retention,
             )
             await to_thread.run_sync(self._reconciler.start)
         return self

@@ -68,6 +68,9 @@ class JobSettings(Settings):
         doc="beats between two looks at book and engine while no job is active",
         derived="lost executors are found within 30 s; an idle service takes less than 1 % of a core",
     )
+    sweep_interval: float = setting(
+        3600.0, unit="s", doc="time between two removals of what is old", derived="short beside a day"
+    )
     lost_after: float = setting(
         15.0,
         unit="s",

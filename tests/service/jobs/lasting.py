@@ -15,6 +15,7 @@ from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.synthetic_modes import ModeNoise, synthetic_modes
 from modallab.jobs.book import JobBook
 from modallab.jobs.durable import DurableRunner, JobPlace
+from modallab.jobs.retention import Retention
 from modallab.jobs.runner import Job
 from modallab.store.place import StorePlace, engine_of, open_store
 from modallab.store.plain import to_plain
@@ -50,11 +51,11 @@ def arguments(places: Places, options: UpdateOptions) -> dict[str, Any]:
     }
 
 
-def run(places: Places, work: Work) -> None:
+def run(places: Places, work: Work, retention: Retention | None = None) -> None:
     """Do some work with a runner in these places."""
 
     async def main() -> None:
-        async with DurableRunner(book_at(places), *places, executor_id="test") as runner:
+        async with DurableRunner(book_at(places), *places, executor_id="test", retention=retention) as runner:
             await work(runner)
 
     anyio.run(main)

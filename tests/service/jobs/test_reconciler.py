@@ -43,6 +43,9 @@ class Engine:
     def stop(self, job_id: str) -> None:
         self.asked.append(("stop", job_id))
 
+    def forget(self, job_ids: Sequence[str]) -> None:
+        self.asked += [("forget", job_id) for job_id in job_ids]
+
     def recover(self, executor_ids: Sequence[str]) -> None:
         self.asked += [("recover", executor_id) for executor_id in executor_ids]
 
