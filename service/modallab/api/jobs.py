@@ -145,8 +145,10 @@ async def _events(jobs: JobRunner, viewer: Viewer, job: Job, seen: str | None) -
         yield _event(job)
     silent = 0.0
     while not job.state.final:
-        await sleep(JOB_STREAM.polling_interval)
-        silent += JOB_STREAM.polling_interval
+        # Whoever is far from the front need not look often: a class that waits would keep the service busy.
+        pause = min(JOB_STREAM.polling_interval * (job.place or 1), JOB_STREAM.longest_interval)
+        await sleep(pause)
+        silent += pause
         previous, job = job, await to_thread.run_sync(look)
         if job != previous:
             silent = 0.0
