@@ -4,11 +4,13 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
+from alembic import command
 
 from modallab.jobs.book import JobBook
 from modallab.jobs.durable import JobPlace
 from modallab.jobs.runner import Lane, QueueQuotaError
 from modallab.store.keys import KeyBook, Role
+from modallab.store.migrate import alembic_config
 from modallab.store.place import StorePlace, engine_of
 from modallab.store.quotas import Quotas
 from modallab.store.viewer import LOCAL
@@ -123,3 +125,12 @@ def test_a_quota_holds_for_requests_that_come_at_once(places: Places) -> None:
         assert sum(pool.map(ask, range(24))) == 5
     assert {job.place for job in book.find(owner="ann")} == {1, 2, 3, 4, 5}
     assert sorted(job.turn for job in book.find(owner="ann")) == [0, 1, 2, 3, 4]
+
+
+def test_jobs_that_waited_before_there_were_turns_come_first(places: Places, book: JobBook) -> None:
+    old = queued(book, "many", 3)
+    with engine_of(places[0]).begin() as connection:
+        command.downgrade(alembic_config(connection), "0005")
+    places[0].prepare()
+    new = queued(book, "ann", 1) + queued(book, "many", 1)
+    assert placed(book, [*old, *new]) == [1, 2, 3, 4, 5]
