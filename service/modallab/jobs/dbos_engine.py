@@ -3,7 +3,7 @@
 import json
 import logging
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -12,6 +12,7 @@ from dbos import DBOS, DBOSClient, Serializer
 from dbos import _queue as dbos_queue
 
 from modallab.jobs.runner import Job, Lane
+from modallab.jobs.settings import JOB
 from modallab.jobs.wake import Bell, Listener, Notifier
 
 NAME = "modallab"
@@ -113,6 +114,43 @@ def connected(engine: sa.Engine, schema: str) -> DBOSClient:
     )
 
 
+async def launch(
+    engine: sa.Engine, schema: str, executor_id: str, bell: Bell, places: Mapping[str, int]
+) -> None:
+    """Start DBOS in this process.
+
+    Parameters
+    ----------
+    bell
+        Rings when a job may wait.
+    places
+        Number of jobs of each queue that this process works on at a time.
+    """
+    DBOS(
+        config={
+            "name": NAME,
+            "system_database_engine": engine,
+            "dbos_system_schema": schema,
+            "application_version": VERSION,
+            "executor_id": executor_id,
+            "serializer": JsonSerializer(),
+            "log_level": "WARNING",
+            "run_migrations": engine.dialect.name == "sqlite",
+        }
+    )
+    _prepare(bell)
+    # In the thread of the server's event loop, which DBOS then uses: `to_process` ties its worker
+    # processes to the loop's root task, and a loop of DBOS's own has none that lasts.
+    DBOS.launch()
+    for name, n in places.items():
+        await DBOS.register_queue_async(
+            name,
+            worker_concurrency=n,
+            polling_interval_sec=JOB.polling_interval,
+            on_conflict="always_update",
+        )
+
+
 class Quiet(logging.Filter):
     """Drops what DBOS says of jobs that were stopped: the book has it, and it is no error."""
 
@@ -129,7 +167,7 @@ class Quiet(logging.Filter):
         return not any(words in message for words in self._IGNORED_MESSAGES)
 
 
-def prepare(bell: Bell) -> None:
+def _prepare(bell: Bell) -> None:
     """Have DBOS log as all others do, without what is no error, and look for jobs when a bell rings."""
     engine_log = logging.getLogger("dbos")
     engine_log.handlers.clear()

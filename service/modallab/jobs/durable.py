@@ -18,16 +18,7 @@ from dbos import DBOS, DBOSClient
 from dbos import error as dbos_error
 
 from modallab.jobs.book import JobBook
-from modallab.jobs.dbos_engine import (
-    NAME,
-    QUEUES,
-    SHARES,
-    VERSION,
-    DbosEngine,
-    JsonSerializer,
-    connected,
-    prepare,
-)
+from modallab.jobs.dbos_engine import QUEUES, SHARES, DbosEngine, connected, launch
 from modallab.jobs.executors import Executor, ExecutorBook, Watch
 from modallab.jobs.outages import is_outage, patiently
 from modallab.jobs.processes import WorkerProcesses
@@ -221,31 +212,9 @@ class DurableRunner:
         # One is kept for short jobs, so that there are two even where there is one core.
         most = max(2, (os.cpu_count() or 1) - 1)
         _site = _Site(self._place, self._book, WorkerProcesses(most, most_long=most - 1), self._notifier)
-        DBOS(
-            config={
-                "name": NAME,
-                "system_database_engine": self._engine,
-                "dbos_system_schema": self._jobs.schema,
-                "application_version": VERSION,
-                "executor_id": executor_id,
-                "serializer": JsonSerializer(),
-                "log_level": "WARNING",
-                "run_migrations": self._engine.dialect.name == "sqlite",
-            }
-        )
-        prepare(_BELL)
-        # In the thread of the server's event loop, which DBOS then uses: `to_process` ties its worker
-        # processes to the loop's root task, and a loop of DBOS's own has none that lasts.
-        DBOS.launch()
         # One more share than can be worked on: it is there when a process is free, without another poll.
-        queues = {QUEUES[Lane.LONG]: most - 1, QUEUES[Lane.SHORT]: most, SHARES: most}
-        for name, places in queues.items():
-            await DBOS.register_queue_async(
-                name,
-                worker_concurrency=places,
-                polling_interval_sec=JOB.polling_interval,
-                on_conflict="always_update",
-            )
+        places = {QUEUES[Lane.LONG]: most - 1, QUEUES[Lane.SHORT]: most, SHARES: most}
+        await launch(self._engine, self._jobs.schema, executor_id, _BELL, places)
 
     async def __aexit__(self, *exception: object) -> None:
         """Stop; jobs under way are queued anew, for whichever executor is free."""
