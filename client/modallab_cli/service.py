@@ -11,6 +11,10 @@ import click
 from modallab_cli.arguments import WRITTEN
 from modallab_cli.settings import settings_of
 
+# s: longer than clients keep a connection that they do not use, httpx for 5 s. Were it as long, one would
+# send a request while the service closes the connection.
+_IDLE = 15
+
 data = click.option("--data", type=WRITTEN, help="Folder for arrays and the embedded database.")
 executor_id = click.option(
     "--executor-id", help="A name among the processes that run jobs; else from host and process."
@@ -85,6 +89,7 @@ def serve(**options: Any) -> None:
         log_config=None,
         access_log=False,
         timeout_graceful_shutdown=5,
+        timeout_keep_alive=_IDLE,
     )
     del lock
 

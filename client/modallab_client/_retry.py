@@ -20,11 +20,11 @@ def pause_after_failure(method: str, attempt: int) -> float | None:
 def pause_after_reply(method: str, attempt: int, status: int, headers: Mapping[str, str]) -> float | None:
     """Return the seconds to wait after a reply that is worth asking again, or None to take it.
 
-    503 with Retry-After says that nothing was done, so any method may be repeated.
+    429 or 503 with Retry-After says that nothing was done, so any method may be repeated.
     """
     if attempt >= len(CONNECTION.retry_pauses):
         return None
-    if status == 503 and (requested := _seconds(headers.get("retry-after", ""))) is not None:
+    if status in (429, 503) and (requested := _seconds(headers.get("retry-after", ""))) is not None:
         return (
             max(requested, CONNECTION.retry_pauses[attempt])
             if requested <= CONNECTION.longest_pause

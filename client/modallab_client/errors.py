@@ -97,9 +97,15 @@ class TooLargeError(ClientError):
 
 
 class BusyError(ClientError):
-    """The service's queue is full, and stayed full while the client waited."""
+    """The service's queue is full, for all or for this key, and stayed full while the client waited."""
 
     code = "busy"
+
+
+class QuotaError(ClientError):
+    """As much is stored for the key, or for its class, as may be."""
+
+    code = "storage_quota"
 
 
 class UnauthorisedError(ClientError):
@@ -172,6 +178,8 @@ BY_CODE: dict[str, type[ClientError]] = {
     "too_costly": TooLargeError,
     "busy": BusyError,
     "queue_full": BusyError,
+    "queue_quota": BusyError,
+    "storage_quota": QuotaError,
     "service_unavailable": BusyError,
     "unauthorized": UnauthorisedError,
     "forbidden": ForbiddenError,

@@ -99,8 +99,11 @@ def test_a_post_is_never_sent_twice_when_the_connection_breaks(lab: ModalLab, se
     assert service.asked("POST /v1/rigs") == 2
 
 
-def test_a_full_queue_is_waited_for_as_long_as_it_says(lab: ModalLab, service: FakeService) -> None:
-    full = problem(503, "busy", "the queue is full")
+@pytest.mark.parametrize(("status", "code"), [(503, "busy"), (429, "queue_quota")])
+def test_a_full_queue_is_waited_for_as_long_as_it_says(
+    lab: ModalLab, service: FakeService, status: int, code: str
+) -> None:
+    full = problem(status, code, "the queue is full")
     full.headers["retry-after"] = "0"
     service.on("POST /v1/rigs", full, full, httpx.Response(201, json=RIG))
     assert lab.rigs.create(drive="1:+Y", responses=["1:+Y"]).id == "r1"

@@ -1,5 +1,6 @@
-"""A service that nobody uses costs next to nothing."""
+"""A service that nobody uses costs next to nothing, and stays connected."""
 
+import http.client
 import time
 from pathlib import Path
 
@@ -18,9 +19,16 @@ def test_an_idle_service_takes_hardly_any_processor_time(tmp_path: Path) -> None
     port = free_port()
     with running("serve", "--port", str(port), data=tmp_path) as service, Lab(port) as lab:
         lab.wait_until_up()
+        connection = http.client.HTTPConnection("127.0.0.1", port)
+        connection.request("GET", "/v1/health")
+        connection.getresponse().read()
+        connection.auto_open = 0
         time.sleep(JOB.attentive + 1.0)
         process = psutil.Process(service.pid)
         before = process.cpu_times()
         time.sleep(WATCHED)
         after = process.cpu_times()
+        connection.request("GET", "/v1/health")  # 13 s later, on the same connection: httpx waits for 5 s
+        assert connection.getresponse().status == 200
+        connection.close()
     assert (after.user + after.system - before.user - before.system) / WATCHED < MOST

@@ -13,6 +13,7 @@ from modallab.api.access import OPERATORS, PERSONS
 from modallab.api.assignments import router as assignments
 from modallab.api.body_limit import BodyLimit
 from modallab.api.correlations import router as correlations
+from modallab.api.deps import ROOM
 from modallab.api.diagnoses import router as diagnoses
 from modallab.api.gate import Gate
 from modallab.api.logs import RequestId
@@ -29,6 +30,7 @@ from modallab.api.studies import router as studies
 from modallab.api.updates import router as updates
 from modallab.jobs.book import JobBook
 from modallab.jobs.durable import DurableRunner
+from modallab.jobs.retention import Retention
 from modallab.jobs.runner import JobRunner
 from modallab.store.assignments import AssignmentBook
 from modallab.store.classes import ClassBook
@@ -49,17 +51,21 @@ class Lab(FastAPI):
 
 def job_book(settings: ServiceSettings) -> JobBook:
     """Return the book of jobs that the settings name."""
-    return JobBook(engine_of(settings.store_place), queue_length=settings.queue_length)
+    return JobBook(
+        engine_of(settings.store_place), queue_length=settings.queue_length, quotas=settings.queue_quotas
+    )
 
 
 def durable_runner(settings: ServiceSettings) -> DurableRunner:
     """Return the runner that the settings name; with role `api` it only submits."""
+    book, days = job_book(settings), settings.retention_days
     return DurableRunner(
-        job_book(settings),
+        book,
         settings.store_place,
         settings.job_place,
         executor_id=settings.executor_id,
         runs=settings.role == "all",
+        retention=None if days is None else Retention(book, settings.store_place, days),
     )
 
 
@@ -120,8 +126,9 @@ def create_app(
 def _routes() -> APIRouter:
     v1 = APIRouter(prefix="/v1", dependencies=[Depends(check_request)])
     for part in (structures, rigs, measurements, modal_models, correlations, updates, studies, diagnoses):
-        v1.include_router(part.router, dependencies=[PERSONS])
-    for router in (jobs.router, catalog.router, assignments.router):
+        v1.include_router(part.router, dependencies=[PERSONS, ROOM])
+    v1.include_router(assignments.router, dependencies=[PERSONS, ROOM])
+    for router in (jobs.router, catalog.router):
         v1.include_router(router, dependencies=[PERSONS])
     for router in (keys.router, classes.router, sessions.router, about.router, limit_list.router):
         v1.include_router(router)

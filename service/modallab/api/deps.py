@@ -1,8 +1,9 @@
 """Dependencies of request handlers."""
 
 from hashlib import sha256
-from typing import Annotated
+from typing import Annotated, Any
 
+from anyio import to_thread
 from fastapi import Depends, Header, Path, Query, Request
 from pydantic import StringConstraints
 
@@ -10,6 +11,8 @@ from modallab.api.access import CallerDep
 from modallab.api.settings import ServiceSettings
 from modallab.jobs.runner import JobRunner, RequestKey
 from modallab.store.base import Store
+from modallab.store.place import engine_of
+from modallab.store.quotas import check_storage
 from modallab.store.viewer import Viewer
 
 IdempotencyKey = Annotated[
@@ -53,6 +56,16 @@ async def _owner(caller: CallerDep) -> str:
     return caller.viewer.owner
 
 
+async def _room(
+    request: Request, caller: CallerDep, settings: Annotated[ServiceSettings, Depends(_settings)]
+) -> None:
+    """Refuse what would be stored where too much is stored already; every POST of a resource stores."""
+    if request.method == "POST":
+        engine, owner = engine_of(settings.store_place), caller.viewer.owner
+        await to_thread.run_sync(check_storage, engine, owner, settings.storage_quotas)
+
+
+ROOM: Any = Depends(_room)
 StoreDep = Annotated[Store, Depends(_store)]
 JobsDep = Annotated[JobRunner, Depends(_jobs)]
 SettingsDep = Annotated[ServiceSettings, Depends(_settings)]

@@ -47,6 +47,7 @@ ERRORS = {
     413: "The body is too large",
     415: "The body has another content type than the operation takes",
     422: "A parameter or a field of the body is not valid",
+    429: "As much waits or is stored for this key or class as may; `Retry-After` says when to try again",
     501: "An optional part of the service is not installed",
     503: "The queue of jobs is full; `Retry-After` says when to try again",
 }
@@ -55,6 +56,7 @@ _SCHEMES: Json = {
     "session": {"type": "apiKey", "in": "cookie", "name": COOKIE, "description": "of `POST /v1/sessions`"},
 }
 _PROBLEM = "application/problem+json"
+_STORE_NOTHING = {"keys", "classes", "sessions"}
 _REF = "#/components/schemas/"
 
 
@@ -153,6 +155,8 @@ def _add_errors(method: str, operation: Json, *, is_public: bool) -> None:
         statuses.add(404)
     if method == "delete" and "204" in replies:
         statuses.add(409)
+    if method == "post" and not _STORE_NOTHING & set(operation["tags"]):
+        statuses.add(429)
     if is_job:
         statuses |= {409, 503}
     for status in sorted(statuses):
@@ -164,7 +168,7 @@ def _problem_reply(status: int) -> Json:
         "description": ERRORS[status],
         "content": {_PROBLEM: {"schema": {"$ref": _REF + "Problem"}}},
     }
-    if status == 503:
+    if status in (429, 503):
         schema = {"type": "integer", "minimum": 0}
         reply["headers"] = {"Retry-After": {"description": "s until the next try", "schema": schema}}
     return reply

@@ -49,7 +49,7 @@ State = Annotated[JobState | None, Query(description="state of the jobs; left ou
 JobReply: Any = reply(
     Job,
     "JobStatus",
-    leave_out=("arguments",),
+    leave_out=("arguments", "turn"),
     result_id=(str | None, "Id of the result; null until the job has succeeded."),
     error=(dict[str, Any] | None, "Problem document of a failed job; else null."),
 )
@@ -146,8 +146,10 @@ async def _events(jobs: JobRunner, viewer: Viewer, job: Job, seen: str | None) -
         yield _event(job)
     silent = 0.0
     while not job.state.final:
-        await sleep(JOB_STREAM.polling_interval)
-        silent += JOB_STREAM.polling_interval
+        # Whoever is far from the front need not look often: a class that waits would keep the service busy.
+        pause = min(JOB_STREAM.polling_interval * (job.place or 1), JOB_STREAM.longest_interval)
+        await sleep(pause)
+        silent += pause
         previous, job = job, await to_thread.run_sync(look)
         if job != previous:
             silent = 0.0

@@ -19,6 +19,10 @@ _JOB = ("max_attempts", "time_limit", "further_tests")
 _OFFLOADING = ("light", "resident_bytes", "processor_seconds", "seconds", "file_seconds", "waiting_seconds")
 _SERVICE = {
     "queue_length": "jobs",
+    "key_queue_length": "jobs",
+    "class_queue_length": "jobs",
+    "key_stored_bytes": "bytes",
+    "class_stored_bytes": "bytes",
     "job_seconds": "s",
     "body_limit": "bytes",
     "upload_limit": "bytes",

@@ -122,6 +122,12 @@ class JobStreamSettings(Settings):
     polling_interval: float = setting(
         0.1, unit="s", doc="time between two looks at a job", derived="as often as progress is written"
     )
+    longest_interval: float = setting(
+        1.0,
+        unit="s",
+        doc="longest time between two looks at a job that waits",
+        derived="jobs of 0.1 s pass it",
+    )
     keep_alive: float = setting(
         15.0,
         unit="s",
@@ -130,6 +136,12 @@ class JobStreamSettings(Settings):
     )
     retry_after: int = setting(
         5, unit="s", doc="`Retry-After` of a full queue", derived="about the length of a short job"
+    )
+    retry_after_removal: int = setting(
+        60,
+        unit="s",
+        doc="`Retry-After` where as much is stored as may be",
+        derived="somebody has to remove something; longer than a client waits of itself",
     )
 
 

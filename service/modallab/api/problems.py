@@ -21,9 +21,10 @@ from modallab.api.offloading.processes import BusyError, too_costly
 from modallab.api.operations import Operations
 from modallab.core import errors
 from modallab.jobs.outages import is_outage
-from modallab.jobs.runner import KeyReusedError, NotReadyError, QueueFullError
+from modallab.jobs.runner import KeyReusedError, NotReadyError, QueueFullError, QueueQuotaError
 from modallab.jobs.work import INTERNAL, describe
 from modallab.store.base import ForbiddenError, InUseError, StoredDataError, UnauthorisedError
+from modallab.store.quotas import StorageQuotaError
 
 _log = structlog.get_logger()
 
@@ -38,6 +39,8 @@ STATUS: Mapping[type[errors.ModalLabError], int] = {
     KeyReusedError: 409,
     NotReadyError: 503,
     QueueFullError: 503,
+    QueueQuotaError: 429,
+    StorageQuotaError: 429,
     BusyError: 503,
     StoredDataError: 500,
     UnauthorisedError: 401,
@@ -70,8 +73,10 @@ TITLES: Mapping[str, str] = {
     "no_mode_in_band": "The band holds no resonance",
     "not_found": "Nothing is stored under this id",
     "queue_full": "The queue of jobs is full",
+    "queue_quota": "As many jobs of this key or class wait as may",
     "not_ready": "The service cannot work",
     "service_unavailable": "Database or disk are away",
+    "storage_quota": "As much is stored for this key or class as may be",
     "stored_data": "Stored data are damaged",
     "structure": "The structure cannot be analysed",
     "too_costly": "The reply takes more memory or time than one may",
@@ -84,7 +89,11 @@ TITLES: Mapping[str, str] = {
 
 _HEADERS: Mapping[int, Mapping[str, str]] = {
     401: {"WWW-Authenticate": "Bearer"},
+    429: {"Retry-After": str(JOB_STREAM.retry_after)},
     503: {"Retry-After": str(JOB_STREAM.retry_after)},
+}
+_HEADERS_BY_CODE: Mapping[str, Mapping[str, str]] = {
+    StorageQuotaError.code: {"Retry-After": str(JOB_STREAM.retry_after_removal)},
 }
 _FIELD_DOC = "name of the field at fault, from the body, path or query; absent where no field is"
 _VALUES_DOC = (
@@ -126,7 +135,7 @@ def document(status: int, code: str, detail: str, context: Mapping[str, Any]) ->
 
 def response(problem: Mapping[str, Any]) -> JSONResponse:
     """Return the reply that carries a problem document."""
-    headers = _HEADERS.get(problem["status"])
+    headers = _HEADERS_BY_CODE.get(problem["code"]) or _HEADERS.get(problem["status"])
     return JSONResponse(problem, problem["status"], media_type="application/problem+json", headers=headers)
 
 

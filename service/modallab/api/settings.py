@@ -9,6 +9,7 @@ from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 from modallab.jobs.durable import JobPlace
 from modallab.store.place import StorePlace
+from modallab.store.quotas import Quotas
 
 LOOPBACK_NAMES = ("localhost", "127.0.0.1", "[::1]")
 
@@ -49,9 +50,20 @@ class ServiceSettings(BaseSettings):
         max_length=128,
         description="a name for this process among those that run jobs; else from host and process",
     )
-    queue_length: int = Field(default=100, ge=1, description="jobs that may wait")
+    queue_length: int = Field(default=1000, ge=1, description="jobs that may wait")
+    key_queue_length: int = Field(default=100, ge=1, description="jobs of one key that may wait")
+    class_queue_length: int = Field(default=500, ge=1, description="jobs of one class that may wait")
+    key_stored_bytes: int = Field(
+        default=5_000_000_000, ge=1, description="bytes stored for one key, above which nothing is added"
+    )
+    class_stored_bytes: int = Field(
+        default=100_000_000_000, ge=1, description="bytes stored for one class, above which nothing is added"
+    )
     job_seconds: float = Field(
         default=3600.0, gt=0, description="s, estimated duration above which a job is refused"
+    )
+    retention_days: float | None = Field(
+        default=None, gt=0, description="days after which ended jobs and unnamed results are removed"
     )
     body_limit: int = Field(default=5_000_000, ge=1, description="bytes of a JSON request")
     upload_limit: int = Field(default=200_000_000, ge=1, description="bytes of an import, unpacked too")
@@ -81,6 +93,16 @@ class ServiceSettings(BaseSettings):
         """Database URL, schema and array folder of the store."""
         url = self.database_url or f"sqlite:///{self.data / 'modallab.sqlite'}"
         return StorePlace(url, self.database_schema, self.data / "arrays")
+
+    @property
+    def queue_quotas(self) -> Quotas:
+        """Jobs of a key, and of a class, that may wait."""
+        return Quotas(self.key_queue_length, self.class_queue_length)
+
+    @property
+    def storage_quotas(self) -> Quotas:
+        """Bytes that may be stored for a key, and for a class."""
+        return Quotas(self.key_stored_bytes, self.class_stored_bytes)
 
     @property
     def job_place(self) -> JobPlace:

@@ -1,39 +1,43 @@
 """The book of jobs: one row each, written by whoever works on it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from datetime import UTC, datetime
-from statistics import median
 from typing import Any
 
 import sqlalchemy as sa
 
 from modallab.core.errors import NotFoundError
-from modallab.jobs.runner import Job, JobState, KeyReusedError, QueueFullError, RequestKey
-from modallab.jobs.settings import JOB
+from modallab.jobs.queue import ACTIVE, check_room, next_turn, with_places
+from modallab.jobs.runner import Job, JobState, KeyReusedError, Lane, RequestKey
+from modallab.store.quotas import NO_QUOTAS, Quotas
 from modallab.store.sql import new_id
 from modallab.store.tables import JOBS
 from modallab.store.viewer import EVERYONE, Viewer, manageable
 
 _UNSHOWN = ("restarts", "request_key", "request_digest")
-_ACTIVE = JOBS.c.state.in_([JobState.QUEUED.value, JobState.RUNNING.value])
 
 
 class JobBook:
     """Jobs in the store's database. Rows that have ended never change again."""
 
-    def __init__(self, engine: sa.Engine, *, queue_length: int) -> None:
-        self._engine, self._queue_length = engine, queue_length
+    def __init__(self, engine: sa.Engine, *, queue_length: int, quotas: Quotas = NO_QUOTAS) -> None:
+        self._engine, self._queue_length, self._quotas = engine, queue_length, quotas
 
     def open(
-        self, task: str, arguments: Mapping[str, Any], *, owner: str, request: RequestKey | None = None
+        self,
+        task: str,
+        arguments: Mapping[str, Any],
+        *,
+        owner: str,
+        lane: Lane = Lane.LONG,
+        request: RequestKey | None = None,
     ) -> Job:
         """Enter a job and return it; the job of the same request if there was one.
 
         Raises
         ------
-        QueueFullError
-            If too many wait.
+        QueueFullError, QueueQuotaError
+            If too many wait, of all or of the owner and the class.
         KeyReusedError
             If another request of the owner had the key.
         """
@@ -52,13 +56,15 @@ class JobBook:
             "restarts": 0,
             "request_key": None if request is None else request.key,
             "request_digest": None if request is None else request.digest,
+            "lane": lane.value,
+            "turn": next_turn(owner, lane),
         }
-        queue_length = sa.select(sa.func.count()).where(JOBS.c.state == JobState.QUEUED.value)
         try:
             with self._engine.begin() as connection:
-                if connection.execute(queue_length).scalar_one() >= self._queue_length:
-                    raise QueueFullError("as many jobs wait as may", allowed=self._queue_length)
+                if connection.dialect.name == "postgresql":  # SQLite has one writer at a time anyway
+                    connection.execute(sa.select(sa.func.pg_advisory_xact_lock(sa.func.hashtext(owner))))
                 connection.execute(JOBS.insert().values(**row))
+                check_room(connection, owner, self._queue_length, self._quotas)
         except sa.exc.IntegrityError:  # the same request came twice at once
             if request is None or (known := self._of_request(owner, request)) is None:
                 raise
@@ -117,34 +123,35 @@ class JobBook:
         return self._with_places(jobs)
 
     def _with_places(self, jobs: list[Job]) -> list[Job]:
-        """Return jobs, those that wait with their places in the queue and the times until they begin."""
-        if not any(job.state is JobState.QUEUED for job in jobs):
-            return jobs
-        query = sa.select(JOBS.c.id, JOBS.c.task, JOBS.c.state).where(_ACTIVE)
         with self._engine.begin() as connection:
-            active = connection.execute(query.order_by(JOBS.c.created, JOBS.c.id)).all()
-            durations = {task: _usual_duration(connection, task) for task in {row.task for row in active}}
-        under_way = [row.task for row in active if row.state == JobState.RUNNING.value]
-        waiting = [(row.id, row.task) for row in active if row.state == JobState.QUEUED.value]
-        places = {job_id: place for place, (job_id, _) in enumerate(waiting)}
-        tasks = [task for _, task in waiting]
-        return [
-            job
-            if (place := places.get(job.id)) is None
-            else replace(job, place=place + 1, wait_estimate=_wait(tasks[:place], under_way, durations))
-            for job in jobs
-        ]
+            return with_places(connection, jobs)
 
     def active(self) -> list[str]:
         """Return the ids of all jobs that have not ended, oldest first."""
         with self._engine.begin() as connection:
             return list(
-                connection.execute(sa.select(JOBS.c.id).where(_ACTIVE).order_by(JOBS.c.created)).scalars()
+                connection.execute(sa.select(JOBS.c.id).where(ACTIVE).order_by(JOBS.c.created)).scalars()
             )
+
+    def needs(self) -> list[Mapping[str, Any]]:
+        """Return the arguments of all jobs that have not ended."""
+        with self._engine.begin() as connection:
+            return list(connection.execute(sa.select(JOBS.c.arguments).where(ACTIVE)).scalars())
+
+    def ended_before(self, time: str) -> list[str]:
+        """Return the ids of the jobs that ended before a time, ISO 8601."""
+        query = sa.select(JOBS.c.id).where(~ACTIVE, sa.func.coalesce(JOBS.c.ended, JOBS.c.created) < time)
+        with self._engine.begin() as connection:
+            return list(connection.execute(query).scalars())
+
+    def remove(self, job_ids: Sequence[str]) -> None:
+        """Forget jobs that have ended."""
+        with self._engine.begin() as connection:
+            connection.execute(JOBS.delete().where(JOBS.c.id.in_(job_ids), ~ACTIVE))
 
     def is_active(self, job_id: str) -> bool:
         """Tell whether a job has not ended."""
-        query = sa.select(JOBS.c.id).where(JOBS.c.id == job_id, _ACTIVE)
+        query = sa.select(JOBS.c.id).where(JOBS.c.id == job_id, ACTIVE)
         with self._engine.begin() as connection:
             return connection.execute(query).first() is not None
 
@@ -180,41 +187,15 @@ class JobBook:
         return self._change(job_id, state=state.value, message=message, ended=_now(), **values)
 
     def _change(self, job_id: str, **values: Any) -> bool:
-        update = JOBS.update().where(JOBS.c.id == job_id, _ACTIVE).values(**values)
+        update = JOBS.update().where(JOBS.c.id == job_id, ACTIVE).values(**values)
         with self._engine.begin() as connection:
             return connection.execute(update).rowcount == 1
 
 
 def _job(row: Mapping[str, Any]) -> Job:
     fields = {name: value for name, value in row.items() if name not in _UNSHOWN}
-    return Job(**dict(fields, state=JobState(row["state"])))
+    return Job(**dict(fields, state=JobState(row["state"]), lane=Lane(row["lane"])))
 
 
 def _now() -> str:
     return datetime.now(UTC).isoformat(timespec="microseconds")
-
-
-def _usual_duration(connection: sa.Connection, task: str) -> float | None:
-    """Return the median time, s, of the latest jobs of a task; None if there was none."""
-    query = sa.select(JOBS.c.started, JOBS.c.ended).where(
-        JOBS.c.task == task, JOBS.c.state == JobState.SUCCEEDED.value, JOBS.c.started.is_not(None)
-    )
-    latest = connection.execute(query.order_by(JOBS.c.ended.desc()).limit(JOB.latest_jobs)).all()
-    durations = [
-        (datetime.fromisoformat(ended) - datetime.fromisoformat(started)).total_seconds()
-        for started, ended in latest
-        if ended is not None
-    ]
-    return median(durations) if durations else None
-
-
-def _wait(
-    before: Sequence[str], under_way: Sequence[str], durations: Mapping[str, float | None]
-) -> float | None:
-    """Return the time, s, until a job may begin: what is before it, shared by as many as work now."""
-    known = [durations[name] for name in before]
-    half_done = [durations[name] for name in under_way]
-    if any(duration is None for duration in (*known, *half_done)):
-        return None
-    work = sum(filter(None, known)) + sum(filter(None, half_done)) / 2
-    return work / max(1, len(under_way))

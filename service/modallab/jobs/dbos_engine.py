@@ -3,7 +3,7 @@
 import json
 import logging
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -11,10 +11,12 @@ import sqlalchemy as sa
 from dbos import DBOS, DBOSClient, Serializer
 from dbos import _queue as dbos_queue
 
+from modallab.jobs.runner import Job, Lane
+from modallab.jobs.settings import JOB
 from modallab.jobs.wake import Bell, Listener, Notifier
 
 NAME = "modallab"
-QUEUE = "jobs"
+QUEUES = {Lane.LONG: "jobs", Lane.SHORT: "short"}
 # Of their own: a job keeps its place in the queue while others make its shares.
 SHARES = "shares"
 # Jobs go on only under the version they were queued under. It names the shape of the workflow
@@ -62,22 +64,32 @@ class DbosEngine:
         pending = self._client.list_workflows(status="PENDING", load_input=False, load_output=False)
         return {workflow.executor_id for workflow in pending if workflow.executor_id}
 
-    def enqueue(self, job_id: str) -> None:
-        """Queue a job that DBOS does not know."""
+    def enqueue(self, job: Job) -> None:
+        """Queue a job that DBOS does not know: it sorts by priority, which is from 1 on, and by age."""
         self._client.enqueue(
-            {"workflow_name": "job", "queue_name": QUEUE, "workflow_id": job_id, "app_version": VERSION},
-            job_id,
+            {
+                "workflow_name": "job",
+                "queue_name": QUEUES[job.lane],
+                "workflow_id": job.id,
+                "app_version": VERSION,
+                "priority": job.turn + 1,
+            },
+            job.id,
         )
         self._notifier.ring()
 
-    def restart(self, job_id: str) -> None:
+    def restart(self, job: Job) -> None:
         """Queue a job anew that DBOS has ended."""
-        self._client.rewind_workflow(job_id, application_version=VERSION, queue_name=QUEUE)
+        self._client.rewind_workflow(job.id, application_version=VERSION, queue_name=QUEUES[job.lane])
         self._notifier.ring()
 
     def stop(self, job_id: str) -> None:
         """Stop a job that is not wanted any more."""
         self._client.cancel_workflow(job_id, cancel_children=True)
+
+    def forget(self, job_ids: Sequence[str]) -> None:
+        """Remove what DBOS knows of jobs that have ended, and of their shares."""
+        self._client.delete_workflows(list(job_ids), delete_children=True)
 
     def recover(self, executor_ids: Sequence[str]) -> None:
         """Queue anew what ran on lost executors."""
@@ -86,7 +98,9 @@ class DbosEngine:
         )
         for workflow in pending:
             # Only while it is still that executor's: two that take over at once disturb nothing.
-            self._client._sys_db.reenqueue_for_recovery(workflow.workflow_id, list(executor_ids), QUEUE)
+            self._client._sys_db.reenqueue_for_recovery(
+                workflow.workflow_id, list(executor_ids), QUEUES[Lane.LONG]
+            )
         self._notifier.ring()
 
 
@@ -98,6 +112,43 @@ def connected(engine: sa.Engine, schema: str) -> DBOSClient:
         serializer=JsonSerializer(),
         application_name=NAME,
     )
+
+
+async def launch(
+    engine: sa.Engine, schema: str, executor_id: str, bell: Bell, places: Mapping[str, int]
+) -> None:
+    """Start DBOS in this process.
+
+    Parameters
+    ----------
+    bell
+        Rings when a job may wait.
+    places
+        Number of jobs of each queue that this process works on at a time.
+    """
+    DBOS(
+        config={
+            "name": NAME,
+            "system_database_engine": engine,
+            "dbos_system_schema": schema,
+            "application_version": VERSION,
+            "executor_id": executor_id,
+            "serializer": JsonSerializer(),
+            "log_level": "WARNING",
+            "run_migrations": engine.dialect.name == "sqlite",
+        }
+    )
+    _prepare(bell)
+    # In the thread of the server's event loop, which DBOS then uses: `to_process` ties its worker
+    # processes to the loop's root task, and a loop of DBOS's own has none that lasts.
+    DBOS.launch()
+    for name, n in places.items():
+        await DBOS.register_queue_async(
+            name,
+            worker_concurrency=n,
+            polling_interval_sec=JOB.polling_interval,
+            on_conflict="always_update",
+        )
 
 
 class Quiet(logging.Filter):
@@ -116,7 +167,7 @@ class Quiet(logging.Filter):
         return not any(words in message for words in self._IGNORED_MESSAGES)
 
 
-def prepare(bell: Bell) -> None:
+def _prepare(bell: Bell) -> None:
     """Have DBOS log as all others do, without what is no error, and look for jobs when a bell rings."""
     engine_log = logging.getLogger("dbos")
     engine_log.handlers.clear()

@@ -18,21 +18,13 @@ from dbos import DBOS, DBOSClient
 from dbos import error as dbos_error
 
 from modallab.jobs.book import JobBook
-from modallab.jobs.dbos_engine import (
-    NAME,
-    QUEUE,
-    SHARES,
-    VERSION,
-    DbosEngine,
-    JsonSerializer,
-    connected,
-    prepare,
-)
+from modallab.jobs.dbos_engine import QUEUES, SHARES, DbosEngine, connected, launch
 from modallab.jobs.executors import Executor, ExecutorBook, Watch
 from modallab.jobs.outages import is_outage, patiently
 from modallab.jobs.processes import WorkerProcesses
 from modallab.jobs.reconciler import Reconciler
-from modallab.jobs.runner import Job, JobState, RequestKey, time_limit_error
+from modallab.jobs.retention import Retention
+from modallab.jobs.runner import Job, JobState, Lane, RequestKey, time_limit_error
 from modallab.jobs.settings import JOB
 from modallab.jobs.wake import Bell, Notifier
 from modallab.jobs.work import INTERNAL, count_shares, describe, log_end, perform, perform_share
@@ -76,9 +68,10 @@ _step = partial(
 @_step(name="perform")
 async def _perform(job_id: str, shares: Sequence[Result] | None) -> None:
     assert _site is not None
+    lane = (await to_thread.run_sync(patiently, _site.book.get, job_id)).lane
     try:
         with anyio.fail_after(JOB.time_limit):
-            fault = await _site.processes.run(perform, _site.place, job_id, shares)
+            fault = await _site.processes.run(perform, _site.place, job_id, shares, lane=lane)
     except TimeoutError:
         await to_thread.run_sync(patiently, _site.book.fail, job_id, describe(time_limit_error()))
         return
@@ -91,7 +84,9 @@ async def _perform_share(job_id: str, index: int) -> Result:
     assert _site is not None
     try:
         with anyio.fail_after(JOB.time_limit):
-            result, fault = await _site.processes.run(perform_share, _site.place, job_id, index)
+            result, fault = await _site.processes.run(
+                perform_share, _site.place, job_id, index, lane=Lane.LONG
+            )
     except TimeoutError:
         _log.error("share of a job took too long", job=job_id, share=index)
         return None
@@ -166,6 +161,8 @@ class DurableRunner:
         Name of this process among those that run jobs; None: made from host and process.
     runs
         Whether it runs jobs.
+    retention
+        What is removed when it is old; None: nothing is.
     """
 
     def __init__(
@@ -176,8 +173,9 @@ class DurableRunner:
         *,
         executor_id: str | None = None,
         runs: bool = True,
+        retention: Retention | None = None,
     ) -> None:
-        self._book, self._place, self._jobs = book, place, jobs
+        self._book, self._place, self._jobs, self._retention = book, place, jobs, retention
         self._executor = Executor.here(executor_id) if runs else None
         self._executors, self._watch = ExecutorBook(engine_of(place)), Watch()
         self._engine = make_engine(jobs.url, schema=jobs.schema)
@@ -200,44 +198,23 @@ class DurableRunner:
         self._client = await to_thread.run_sync(connected, self._engine, self._jobs.schema)
         if self._executor is not None:
             self._reconciler = Reconciler(
-                self._executor, self._executors, self._book, DbosEngine(self._client, self._notifier)
+                self._executor,
+                self._executors,
+                self._book,
+                DbosEngine(self._client, self._notifier),
+                self._retention,
             )
             await to_thread.run_sync(self._reconciler.start)
         return self
 
     async def _launch(self, executor_id: str) -> None:
         global _site
-        cores = max(1, (os.cpu_count() or 1) - 1)
-        _site = _Site(self._place, self._book, WorkerProcesses(cores), self._notifier)
-        DBOS(
-            config={
-                "name": NAME,
-                "system_database_engine": self._engine,
-                "dbos_system_schema": self._jobs.schema,
-                "application_version": VERSION,
-                "executor_id": executor_id,
-                "serializer": JsonSerializer(),
-                "log_level": "WARNING",
-                "run_migrations": self._engine.dialect.name == "sqlite",
-            }
-        )
-        prepare(_BELL)
-        # In the thread of the server's event loop, which DBOS then uses: `to_process` ties its worker
-        # processes to the loop's root task, and a loop of DBOS's own has none that lasts.
-        DBOS.launch()
-        await DBOS.register_queue_async(
-            QUEUE,
-            worker_concurrency=cores,
-            polling_interval_sec=JOB.polling_interval,
-            on_conflict="always_update",
-        )
-        # One more than can be worked on: it is there when a process is free, without another poll.
-        await DBOS.register_queue_async(
-            SHARES,
-            worker_concurrency=cores + 1,
-            polling_interval_sec=JOB.polling_interval,
-            on_conflict="always_update",
-        )
+        # One is kept for short jobs, so that there are two even where there is one core.
+        most = max(2, (os.cpu_count() or 1) - 1)
+        _site = _Site(self._place, self._book, WorkerProcesses(most, most_long=most - 1), self._notifier)
+        # One more share than can be worked on: it is there when a process is free, without another poll.
+        places = {QUEUES[Lane.LONG]: most - 1, QUEUES[Lane.SHORT]: most, SHARES: most}
+        await launch(self._engine, self._jobs.schema, executor_id, _BELL, places)
 
     async def __aexit__(self, *exception: object) -> None:
         """Stop; jobs under way are queued anew, for whichever executor is free."""
@@ -265,14 +242,19 @@ class DurableRunner:
             _log.warning("jobs could not be handed back", error=str(error).splitlines()[0])
 
     def submit(
-        self, task: str, arguments: Mapping[str, Any], *, owner: str, request: RequestKey | None = None
+        self,
+        task: str,
+        arguments: Mapping[str, Any],
+        *,
+        owner: str,
+        lane: Lane = Lane.LONG,
+        request: RequestKey | None = None,
     ) -> Job:
         """Queue a task and return its job."""
-        job = self._book.open(task, arguments, owner=owner, request=request)
+        job = self._book.open(task, arguments, owner=owner, lane=lane, request=request)
         assert self._client is not None
-        DbosEngine(self._client, self._notifier).enqueue(
-            job.id
-        )  # an id that is queued already is queued once
+        # An id that is queued already is queued once.
+        DbosEngine(self._client, self._notifier).enqueue(job)
         _log.info("job queued", job=job.id, task=task)
         return job
 

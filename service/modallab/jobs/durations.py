@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.settings import Settings, setting
+from modallab.jobs.runner import Lane
+from modallab.jobs.settings import JOB
 from modallab.rig.acquisition import samples_of
 from modallab.rig.effect import Effect, Stage
 from modallab.rig.measure import Route
@@ -27,6 +29,9 @@ class DurationSettings(Settings):
         doc="modes of a structure: in all, for each degree of freedom, for each pair of them",
         derived=_MEASURED + ": 42 to 30,000 degrees of freedom",
     )
+    extracted_byte: float = setting(
+        1e-6, unit="s", doc="byte of a measurement that modes are extracted from", derived=_MEASURED
+    )
     solutions_of_diagnosis: int = setting(
         3000, unit="solutions", doc="times that a diagnosis solves for the modes", derived=_MEASURED
     )
@@ -45,6 +50,11 @@ class Duration:
     """Name of the value."""
     value: int
     """The value."""
+
+    @property
+    def lane(self) -> Lane:
+        """Part of the queue that the job waits in."""
+        return Lane.SHORT if self.seconds <= JOB.short_job else Lane.LONG
 
     def check(self, limit: float) -> None:
         """Raise `InvalidInputError` if the job takes longer than a limit, s."""
@@ -86,6 +96,11 @@ def _duration(setup: RigSetup, route: Route, *, is_stepped: bool) -> Duration:
     channels = sum(len(run.drives) + len(run.outputs) for run in runs)
     each = DURATION.sample * channels + (DURATION.stepped_sample * len(runs) if is_stepped else 0.0)
     return Duration(averages * samples_of(analyser) * each, "averages", averages)
+
+
+def duration_of_extraction(weight: float) -> Duration:
+    """Return the duration of an extraction of modes from a measurement of so many bytes."""
+    return Duration(DURATION.extracted_byte * weight, "measurement_id", int(weight))
 
 
 def duration_of_solutions(n_dofs: int, n: int, field: str, value: int) -> Duration:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any, Self
 
 from modallab.jobs.book import JobBook
-from modallab.jobs.runner import Job, JobState, RequestKey
+from modallab.jobs.runner import Job, JobState, Lane, RequestKey
 from modallab.jobs.work import perform
 from modallab.store.place import StorePlace
 from modallab.store.viewer import Viewer
@@ -23,10 +23,16 @@ class InlineRunner:
         pass
 
     def submit(
-        self, task: str, arguments: Mapping[str, Any], *, owner: str, request: RequestKey | None = None
+        self,
+        task: str,
+        arguments: Mapping[str, Any],
+        *,
+        owner: str,
+        lane: Lane = Lane.LONG,
+        request: RequestKey | None = None,
     ) -> Job:
         """Do a task and return its job."""
-        job = self._book.open(task, arguments, owner=owner, request=request)
+        job = self._book.open(task, arguments, owner=owner, lane=lane, request=request)
         if job.state.final:
             return job  # the same request once more
         fault = perform(self._place, job.id)

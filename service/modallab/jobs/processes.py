@@ -1,14 +1,21 @@
-"""Worker processes, separate from the server and all ended with it."""
+"""Worker processes, separate from the server and all ended with it.
+
+One more short job can be worked on than long ones, and processes with long jobs have a low priority: on a
+single core, too, a short job is done while a long one goes on.
+"""
 
 import asyncio
 import math
 import os
 from collections.abc import Callable, Coroutine
+from contextlib import nullcontext, suppress
 from functools import partial
 from typing import Any, TypeVar, TypeVarTuple
 
-from anyio import CapacityLimiter, to_process
+from anyio import BrokenWorkerProcess, CapacityLimiter, to_process
 
+from modallab.jobs.runner import Lane
+from modallab.jobs.settings import JOB
 from modallab.jobs.stdout_guard import answers_apart
 
 Arguments = TypeVarTuple("Arguments")
@@ -16,15 +23,25 @@ Outcome = TypeVar("Outcome")
 
 
 class WorkerProcesses:
-    """Worker processes of one event loop, limited in number."""
+    """Worker processes of one event loop, limited in number.
 
-    def __init__(self, most: int) -> None:
-        self._limiter = CapacityLimiter(most)
+    Parameters
+    ----------
+    most
+        Number of processes that work at a time.
+    most_long
+        Number of them that may have long jobs.
+    """
+
+    def __init__(self, most: int, *, most_long: int = 1) -> None:
+        self._limiter, self._long = CapacityLimiter(most), CapacityLimiter(most_long)
         self._unlimited = CapacityLimiter(math.inf)
         self._starting: set[asyncio.Task[Any]] = set()
         self._working: set[asyncio.Task[Any]] = set()
 
-    async def run(self, work: Callable[[*Arguments], Outcome], *arguments: *Arguments) -> Outcome:
+    async def run(
+        self, work: Callable[[*Arguments], Outcome], *arguments: *Arguments, lane: Lane = Lane.SHORT
+    ) -> Outcome:
         """Return the result of a function in a worker process; cancelling the waiting task kills the process.
 
         Raises
@@ -32,15 +49,21 @@ class WorkerProcesses:
         BrokenWorkerProcess
             If the process dies under the work.
         """
-        return await _tracked(self._in_process(work, *arguments), self._working)
+        return await _tracked(self._in_process(lane, partial(work, *arguments)), self._working)
 
-    async def _in_process(self, work: Callable[[*Arguments], Outcome], *arguments: *Arguments) -> Outcome:
-        async with self._limiter:
-            # A process that is cancelled while it starts is left behind (agronholm/anyio#1337).
-            start = to_process.run_sync(os.getpid, limiter=self._unlimited)
-            await asyncio.shield(_tracked(start, self._starting))
-            call = partial(_with_stdout_guard, work, *arguments)
-            return await to_process.run_sync(call, cancellable=True, limiter=self._unlimited)
+    async def _in_process(self, lane: Lane, work: Callable[[], Outcome]) -> Outcome:
+        async with self._long if lane is Lane.LONG else nullcontext(), self._limiter:
+            while True:
+                # A process that is cancelled while it starts is left behind (agronholm/anyio#1337).
+                start = to_process.run_sync(os.getpid, limiter=self._unlimited)
+                await asyncio.shield(_tracked(start, self._starting))
+                call = partial(_at_priority, lane, work)
+                done = await to_process.run_sync(call, cancellable=True, limiter=self._unlimited)
+                if done is not None:
+                    return done[0]
+                # Nobody may raise a priority again: that process makes room for a new one.
+                with suppress(BrokenWorkerProcess):
+                    await to_process.run_sync(_end_if_low, limiter=self._unlimited)
 
     async def leave(self) -> None:
         """Kill the running processes, and wait for their end."""
@@ -49,9 +72,25 @@ class WorkerProcesses:
         await asyncio.gather(*self._working, *self._starting, return_exceptions=True)
 
 
-def _with_stdout_guard(work: Callable[[*Arguments], Outcome], *arguments: *Arguments) -> Outcome:
+def _is_low() -> bool:
+    """Return whether this process has a lower priority than the one that started it."""
+    own, parent = (os.getpriority(os.PRIO_PROCESS, pid) for pid in (0, os.getppid()))
+    return own > parent
+
+
+def _at_priority(lane: Lane, work: Callable[[], Outcome]) -> tuple[Outcome] | None:
+    """Return the result of work at the priority of its lane; None if this process has another."""
+    if lane is Lane.SHORT and _is_low():
+        return None
+    if lane is Lane.LONG and not _is_low():
+        os.nice(JOB.long_niceness)
     with answers_apart():
-        return work(*arguments)
+        return (work(),)
+
+
+def _end_if_low() -> None:
+    if _is_low():
+        os._exit(0)
 
 
 def _tracked(coroutine: Coroutine[Any, Any, Outcome], tasks: set[asyncio.Task[Any]]) -> asyncio.Task[Outcome]:

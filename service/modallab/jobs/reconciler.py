@@ -4,9 +4,11 @@ Every executor does so every few seconds: whatever fails, at whatever moment, ea
 anybody's help.
 """
 
+import math
 import os
 import signal
 import threading
+import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Protocol
@@ -16,6 +18,8 @@ import structlog
 
 from modallab.jobs.book import JobBook
 from modallab.jobs.executors import Executor, ExecutorBook, Watch
+from modallab.jobs.retention import Retention
+from modallab.jobs.runner import Job
 from modallab.jobs.settings import JOB
 from modallab.jobs.work import INTERNAL
 
@@ -37,16 +41,20 @@ class Engine(Protocol):
         """Return the names of the executors that jobs run on."""
         ...
 
-    def enqueue(self, job_id: str) -> None:
+    def enqueue(self, job: Job) -> None:
         """Queue a job that the engine does not know."""
         ...
 
-    def restart(self, job_id: str) -> None:
+    def restart(self, job: Job) -> None:
         """Queue a job anew that the engine has ended."""
         ...
 
     def stop(self, job_id: str) -> None:
         """Stop a job that is not wanted any more."""
+        ...
+
+    def forget(self, job_ids: Sequence[str]) -> None:
+        """Remove what is known of jobs that have ended."""
         ...
 
     def recover(self, executor_ids: Sequence[str]) -> None:
@@ -66,8 +74,16 @@ def end_stopped_children() -> None:
 class Reconciler:
     """A thread that beats for an executor and mends what others left."""
 
-    def __init__(self, executor: Executor, executors: ExecutorBook, book: JobBook, engine: Engine) -> None:
+    def __init__(
+        self,
+        executor: Executor,
+        executors: ExecutorBook,
+        book: JobBook,
+        engine: Engine,
+        retention: Retention | None = None,
+    ) -> None:
         self._executor, self._executors, self._book, self._engine = executor, executors, book, engine
+        self._retention, self._swept = retention, -math.inf
         self._watch = Watch()
         self._suspects: dict[str, set[str]] = {}
         self._idle_beats = 0  # since a job was active
@@ -92,11 +108,18 @@ class Reconciler:
                     os.kill(os.getpid(), signal.SIGTERM)
                     return
                 end_stopped_children()
+                self._sweep()
                 self._idle_beats += 1
                 if self._idle_beats % JOB.idle_beats == 0:
                     self.mend()
             except Exception as error:  # the database is away, say: the next beat tries again
                 _log.warning("jobs could not be reconciled", error=str(error).splitlines()[0])
+
+    def _sweep(self) -> None:
+        """Remove what is kept no longer, seldom."""
+        if self._retention is not None and time.monotonic() - self._swept > JOB.sweep_interval:
+            self._swept = time.monotonic()
+            self._retention.sweep(self._engine)
 
     def mend(self) -> None:
         """Take over what lost executors left, and make book and engine agree."""
@@ -108,7 +131,7 @@ class Reconciler:
         unknown = {job_id for job_id in active if job_id not in states}
         ended = {job_id for job_id in active if states.get(job_id) is False}
         unwanted = self._engine.unfinished() - active
-        self._settle("unknown", unknown, self._engine.enqueue, active=True)
+        self._settle("unknown", unknown, self._enqueue, active=True)
         self._settle("ended", ended, self._restart, active=True)
         self._settle("unwanted", unwanted, self._engine.stop, active=False)
 
@@ -138,9 +161,12 @@ class Reconciler:
                 act(job_id)
         self._suspects[what] = job_ids
 
+    def _enqueue(self, job_id: str) -> None:
+        self._engine.enqueue(self._book.get(job_id))
+
     def _restart(self, job_id: str) -> None:
         """Queue a job anew that the engine has ended and the book has not."""
         if self._book.count_restart(job_id) > JOB.max_restarts:
             self._book.fail(job_id, INTERNAL)
         else:
-            self._engine.restart(job_id)
+            self._engine.restart(self._book.get(job_id))

@@ -25,6 +25,13 @@ class JobState(StrEnum):
         return self not in (JobState.QUEUED, JobState.RUNNING)
 
 
+class Lane(StrEnum):
+    """Part of the queue that a job waits in: long jobs never hold back short ones."""
+
+    SHORT = "short"
+    LONG = "long"
+
+
 @dataclass(frozen=True)
 class Job:
     """Status of a background task."""
@@ -53,8 +60,12 @@ class Job:
     """ISO 8601, UTC, time at which the work began; None: it waits."""
     ended: str | None = None
     """ISO 8601, UTC, time of the end; None: the job has not ended."""
+    lane: Lane = Lane.LONG
+    """Part of the queue, by the estimated duration of the job."""
+    turn: int = 0
+    """1, number of the owner's turn in the lane."""
     place: int | None = None
-    """1, place in the queue, 1 for the next; None: the job does not wait."""
+    """1, place in its lane of the queue, 1 for the next; None: the job does not wait."""
     wait_estimate: float | None = None
     """s, time until the work may begin, by recent jobs; None: the job does not wait, or nothing is known."""
 
@@ -79,6 +90,12 @@ class QueueFullError(ModalLabError):
     """As many jobs wait as may; try again later."""
 
     code = "queue_full"
+
+
+class QueueQuotaError(ModalLabError):
+    """As many jobs of a key, or of a class, wait as may; try again later."""
+
+    code = "queue_quota"
 
 
 class TimeLimitError(ModalLabError):
@@ -111,14 +128,20 @@ class JobRunner(Protocol):
         ...
 
     def submit(
-        self, task: str, arguments: Mapping[str, Any], *, owner: str, request: RequestKey | None = None
+        self,
+        task: str,
+        arguments: Mapping[str, Any],
+        *,
+        owner: str,
+        lane: Lane = Lane.LONG,
+        request: RequestKey | None = None,
     ) -> Job:
         """Queue a task of `jobs.tasks` and return its job; that of the same request if there was one.
 
         Raises
         ------
-        QueueFullError
-            If too many wait.
+        QueueFullError, QueueQuotaError
+            If too many wait, of all or of the owner and the class.
         KeyReusedError
             If another request of the owner had the key.
         """

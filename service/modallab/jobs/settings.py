@@ -39,6 +39,17 @@ class JobSettings(Settings):
     attempt_backoff: float = setting(
         1.4, doc="ratio of the pauses between attempts", derived="0.1 s first, 21 s in all"
     )
+    short_job: float = setting(
+        2.0,
+        unit="s",
+        doc="estimated duration up to which a job is short",
+        derived="simulated tests and extractions of a class are, a diagnosis never is",
+    )
+    long_niceness: int = setting(
+        10,
+        doc="niceness of a process that runs a long job",
+        derived="where both want the same core, a short job gets nine tenths of it and the long one goes on",
+    )
     latest_jobs: int = setting(
         20, unit="jobs", doc="latest jobs of a kind whose times tell how long one takes", derived="a class's"
     )
@@ -56,6 +67,9 @@ class JobSettings(Settings):
         unit="beats",
         doc="beats between two looks at book and engine while no job is active",
         derived="lost executors are found within 30 s; an idle service takes less than 1 % of a core",
+    )
+    sweep_interval: float = setting(
+        3600.0, unit="s", doc="time between two removals of what is old", derived="short beside a day"
     )
     lost_after: float = setting(
         15.0,

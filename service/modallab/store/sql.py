@@ -69,6 +69,7 @@ class SqlShelf(Generic[T]):
         if id is not None and self.holds(id):
             return id
         body, arrays = self._codec.take_apart(thing)
+        packed = pack(arrays) if arrays else b""
         row = {
             "id": own_id,
             "kind": self._kind,
@@ -78,7 +79,8 @@ class SqlShelf(Generic[T]):
             "inputs": dict(inputs or {}),
             "seed": seed,
             "body": body,
-            "arrays_hash": self._files.put(own_id, pack(arrays)) if arrays else None,
+            "arrays_hash": self._files.put(own_id, packed) if arrays else None,
+            "size": len(json.dumps(body)) + len(packed),
             "name": getattr(thing, "name", "")[
                 :_LONGEST_NAME
             ],  # a structure's own, until its owner gives another

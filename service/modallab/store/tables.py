@@ -23,11 +23,13 @@ THINGS = sa.Table(
     sa.Column("seed", sa.BigInteger),
     sa.Column("body", sa.JSON, nullable=False),
     sa.Column("arrays_hash", sa.String(64)),  # SHA-256 of the array file, null without arrays
+    sa.Column("size", sa.BigInteger, nullable=False, server_default="0"),  # bytes of body and array file
     # What its owner says of it: the only columns that change.
     sa.Column("name", sa.String(100), nullable=False, server_default=""),
     sa.Column("labels", sa.JSON, nullable=False, server_default="[]"),
     sa.Column("comment", sa.Text, nullable=False, server_default=""),
     sa.Index("ix_things_shelf", "kind", "owner", "created", "id"),
+    sa.Index("ix_things_size", "owner", "size"),
     sa.Index("ix_things_created", "kind", "created", "id"),
 )
 
@@ -67,6 +69,11 @@ JOBS = sa.Table(
     sa.Column("ended", sa.String(40)),
     sa.Column("request_key", sa.String(128)),  # of the request that started it
     sa.Column("request_digest", sa.String(64)),
+    sa.Column("lane", sa.String(16), nullable=False, server_default="long"),
+    sa.Column("turn", sa.Integer, nullable=False, server_default="0"),  # its owner's, in the lane
+    sa.Index("ix_jobs_turn", "lane", "owner", "turn"),
+    sa.Index("ix_jobs_lane", "lane", "turn"),
+    sa.Index("ix_jobs_task", "task", "state", "ended"),
     sa.Index("ix_jobs_request", "owner", "request_key", unique=True),
     sa.Index("ix_jobs_created", "owner", "created", "id"),
     sa.Index("ix_jobs_age", "created", "id"),

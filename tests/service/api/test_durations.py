@@ -35,6 +35,20 @@ def test_a_test_of_hours_is_refused(service: Any, beam: str) -> None:
     service.post("/v1/measurements", body | {"route": "expected"}, status=202)  # no record is made
 
 
+def test_tests_and_extractions_of_a_class_are_short_and_diagnoses_long(service: Any, beam: str) -> None:
+    rig = service.post("/v1/rigs", RIG | {"noise": {"force": 1e-3, "response": 1e-3}})["id"]
+    body = {"structure_id": beam, "rig_id": rig, "route": "sampled", "seed": 1}
+    test = service.post("/v1/measurements", body, status=202)
+    of_test = {"measurement_id": test["result_id"]}
+    extraction = service.post("/v1/modal-models", of_test, status=202)
+    assert (test["lane"], extraction["lane"]) == ("short", "short")
+    diagnosis = service.post("/v1/diagnoses", of_test | {"structure_id": beam, "max_effects": 1}, status=202)
+    assert diagnosis["lane"] == "long"
+    wide = service.post("/v1/rigs", RIG | {"analyser": {"n_lines": 12_801, "averages": 500}})["id"]
+    long = service.post("/v1/measurements", body | {"rig_id": wide}, status=202)
+    assert long["lane"] == "long"  # 500 averages x 32,768 samples x 22 channels
+
+
 def test_work_on_a_large_model_is_refused(service: Any) -> None:
     large = service.post("/v1/structures", plate(24))["id"]
     synthetic = {"count": 3, "dofs": ["30:+Z", "40:+Z"]}

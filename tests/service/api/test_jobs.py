@@ -103,7 +103,7 @@ def test_jobs_are_listed_newest_first_by_state_and_kind(service: Any, settings: 
     book.open("update_and_store", {}, owner="another")
     listed = service.get("/v1/jobs?state=queued&kind=update")
     assert [job["id"] for job in listed["items"]] == [newer.id, older.id]
-    assert [job["place"] for job in listed["items"]] == [2, 1]
+    assert [job["place"] for job in listed["items"]] == [3, 2]  # the owner who is new has the first turn
     assert listed["next"] is None
     page = service.get("/v1/jobs?state=queued&kind=update&limit=1")
     assert [job["id"] for job in page["items"]] == [newer.id] == [page["next"]]
@@ -136,3 +136,24 @@ def test_a_job_says_when_it_began_and_ended(job: Any) -> None:
     assert job["created"] <= job["started"] <= job["ended"]
     assert job["message"] == "finished"
     assert job["place"] is None
+
+
+def test_a_stream_looks_seldom_at_a_job_that_is_far_from_the_front(service: Any, settings: Any) -> None:
+    book = job_book(settings)
+    ahead = [book.open("measure_and_store", {}, owner="many").id for _ in range(30)]
+    job = book.open("measure_and_store", {}, owner="many")
+    assert job.place is not None
+    pauses: list[float] = []
+
+    async def pause(seconds: float) -> None:
+        pauses.append(seconds)
+        for job_id in ahead[: -2 if len(pauses) == 1 else None]:
+            book.cancel(job_id)
+        if len(pauses) == 3:
+            book.cancel(job.id)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("modallab.api.jobs.sleep", pause)
+        service.request("GET", f"/v1/jobs/{job.id}/events")
+    left = job.place - 28
+    assert pauses == pytest.approx([1.0, min(0.1 * left, 1.0), 0.1 * (left - 2)])

@@ -13,6 +13,8 @@ from anyio import to_process
 from anyio.abc import Process
 
 from modallab.jobs.processes import WorkerProcesses
+from modallab.jobs.runner import Lane
+from modallab.jobs.settings import JOB
 
 
 def told() -> int:
@@ -46,5 +48,33 @@ def test_whoever_leaves_leaves_no_process_at_work(monkeypatch: pytest.MonkeyPatc
         await processes.leave()
         assert [process.returncode for process in made] == [-signal.SIGKILL]
         assert all(task.cancelled() for task in asking)
+
+    anyio.run(main)
+
+
+def priority() -> int:
+    return os.getpriority(os.PRIO_PROCESS, 0)
+
+
+def test_a_long_job_has_a_low_priority_and_a_short_one_never() -> None:
+    async def main() -> list[int]:
+        processes = WorkerProcesses(1)
+        lanes = (Lane.LONG, Lane.LONG, Lane.SHORT, Lane.SHORT)
+        return [await processes.run(priority, lane=lane) for lane in lanes]
+
+    low, again, *short = anyio.run(main)
+    assert low == again == min(priority() + JOB.long_niceness, 19)  # 19 is the lowest that there is
+    assert short == [priority(), priority()]
+
+
+def test_a_short_job_does_not_wait_for_a_long_one_however_many_wait() -> None:
+    async def main() -> None:
+        processes = WorkerProcesses(2, most_long=1)
+        waiting = [asyncio.create_task(processes.run(time.sleep, 60.0, lane=Lane.LONG)) for _ in range(9)]
+        await anyio.sleep(0.1)
+        with anyio.fail_after(10):  # a process starts in a second or two
+            await processes.run(os.getpid)
+        assert not any(task.done() for task in waiting)
+        await processes.leave()
 
     anyio.run(main)

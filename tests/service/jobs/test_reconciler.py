@@ -9,7 +9,7 @@ import pytest
 from modallab.jobs.book import JobBook
 from modallab.jobs.executors import Executor, ExecutorBook
 from modallab.jobs.reconciler import Reconciler, end_stopped_children
-from modallab.jobs.runner import JobState
+from modallab.jobs.runner import Job, JobState
 from modallab.jobs.settings import JOB
 from modallab.store.place import StorePlace, engine_of
 
@@ -34,14 +34,17 @@ class Engine:
     def owners(self) -> set[str]:
         return self.running_on
 
-    def enqueue(self, job_id: str) -> None:
-        self.asked.append(("enqueue", job_id))
+    def enqueue(self, job: Job) -> None:
+        self.asked.append(("enqueue", job.id))
 
-    def restart(self, job_id: str) -> None:
-        self.asked.append(("restart", job_id))
+    def restart(self, job: Job) -> None:
+        self.asked.append(("restart", job.id))
 
     def stop(self, job_id: str) -> None:
         self.asked.append(("stop", job_id))
+
+    def forget(self, job_ids: Sequence[str]) -> None:
+        self.asked += [("forget", job_id) for job_id in job_ids]
 
     def recover(self, executor_ids: Sequence[str]) -> None:
         self.asked += [("recover", executor_id) for executor_id in executor_ids]

@@ -6,6 +6,7 @@ from alembic import command
 from modallab.fe.catalogued import STRUCTURES
 from modallab.store.migrate import alembic_config
 from modallab.store.place import StorePlace, engine_of, open_store
+from modallab.store.tables import THINGS
 
 
 def test_the_migrations_lead_to_the_tables_of_the_code(place: StorePlace) -> None:
@@ -36,3 +37,14 @@ def test_what_was_stored_before_there_were_keys_is_read_afterwards(place: StoreP
     assert store.structures.get(id).members == structure.members
     entries = [(entry.owner, entry.name) for entry in store.structures.list(limit=9)]
     assert entries == [("local", structure.name)]
+
+
+def test_what_was_stored_before_there_were_quotas_counts_without_its_arrays(place: StorePlace) -> None:
+    open_store(place).structures.add(STRUCTURES["bay"](), owner="me")
+    size = sa.select(THINGS.c.size)
+    with engine_of(place).begin() as connection:
+        before = connection.execute(size).scalar_one()
+        command.downgrade(alembic_config(connection), "0005")
+    place.prepare()
+    with engine_of(place).begin() as connection:
+        assert connection.execute(size).scalar_one() == before > 0  # a structure has no arrays

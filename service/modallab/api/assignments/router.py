@@ -154,7 +154,8 @@ def start_assignment_measurement(
     for dof in (*setup.drives, *setup.responses):
         structure.index(dof)
     # As of a nonlinear test, whether it is one or not.
-    duration_of_stepped_measurement(setup, route).check(settings.job_seconds)
+    duration = duration_of_stepped_measurement(setup, route)
+    duration.check(settings.job_seconds)
     number, is_new = assignments.take_trial(stored, key.id, None if request_key is None else request_key.key)
     inputs = SealedInputs(
         structure_id=stored.structure_id,
@@ -167,7 +168,9 @@ def start_assignment_measurement(
     options = MeasurementOptions(stored.hidden_from(key.id), route, stored.seed(key.id, number))
     arguments = SEALED_MEASUREMENT.arguments(inputs, options)
     try:
-        job = jobs.submit(SEALED_MEASUREMENT.name, arguments, owner=key.id, request=request_key)
+        job = jobs.submit(
+            SEALED_MEASUREMENT.name, arguments, owner=key.id, lane=duration.lane, request=request_key
+        )
     except ModalLabError:
         if is_new:
             assignments.give_back(stored, key.id, number)

@@ -85,9 +85,12 @@ def start_measurement(
     structure, setup = store.structures.get(body.structure_id), store.rigs.get(body.rig_id)
     inputs, options = body.to_task(structure, setup)
     effects = [build(spec) for spec in (*structure.effects, *setup.effects, *options.effects)]
-    duration_of_measurement(setup, effects, options.route).check(settings.job_seconds)
+    duration = duration_of_measurement(setup, effects, options.route)
+    duration.check(settings.job_seconds)
     arguments = MEASUREMENT.arguments(inputs, options)
-    return job_reply(jobs.submit(MEASUREMENT.name, arguments, owner=owner, request=request_key))
+    return job_reply(
+        jobs.submit(MEASUREMENT.name, arguments, owner=owner, lane=duration.lane, request=request_key)
+    )
 
 
 @router.post(

@@ -41,6 +41,7 @@ from modallab.core.line_options import line_mask
 from modallab.core.modal_model import ModalModel
 from modallab.interchange import uff_modes
 from modallab.interchange.reading import read_modal_model
+from modallab.jobs.durations import duration_of_extraction
 from modallab.jobs.extracting import picture_of, resynthesised
 from modallab.jobs.selecting import selected_model
 from modallab.jobs.tasks import EXTRACTION
@@ -77,9 +78,9 @@ def start_modal_model(
         # Bands beyond the test are refused here: the job could only fail.
         freq = store.measurements.get(body.measurement_id).frf.freq
         line_mask(freq, request.bands, request.exclude)
-    return job_reply(
-        jobs.submit(EXTRACTION.name, EXTRACTION.arguments(inputs, request), owner=owner, request=request_key)
-    )
+    lane = duration_of_extraction(store.weight([body.measurement_id], 1.0, origins=False)).lane
+    arguments = EXTRACTION.arguments(inputs, request)
+    return job_reply(jobs.submit(EXTRACTION.name, arguments, owner=owner, lane=lane, request=request_key))
 
 
 def _stored(model: ModalModel, store: Store, owner: str) -> Any:

@@ -70,7 +70,8 @@ def start_update(
     structure = with_effects(store.structures.get(body.structure_id))
     inputs, request = body.to_task(structure)
     n = getattr(request.options, "max_iterations", 1)
-    duration_of_solutions(len(structure.dofs), n, "max_iterations", n).check(settings.job_seconds)
+    duration = duration_of_solutions(len(structure.dofs), n, "max_iterations", n)
+    duration.check(settings.job_seconds)
     arguments = UPDATE.arguments(inputs, request)
     if body.modal_model_id is not None:
         store.modal_models.check(body.modal_model_id)
@@ -78,7 +79,9 @@ def start_update(
         check_may_diagnose(store, viewer, [body.measurement_id])
         measurement = store.measurements.get(body.measurement_id)
         check_responses(structure, measurement, body.noise_floor, body.lines)
-    return job_reply(jobs.submit(UPDATE.name, arguments, owner=viewer.owner, request=request_key))
+    return job_reply(
+        jobs.submit(UPDATE.name, arguments, owner=viewer.owner, lane=duration.lane, request=request_key)
+    )
 
 
 @router.get("/{id}", response_model=UpdateReply, summary="Get an update")
