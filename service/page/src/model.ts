@@ -77,6 +77,22 @@ export interface ModalModel {
   measurement_id: string | null;
   notes: string[];
   choices: Record<string, string>;
+  dofs: string[];
+  references: string[];
+}
+
+/** Poles of a global method at rising model orders. */
+export interface Chart {
+  order: number[];
+  frequency: number[];
+  loss_factor: number[];
+  /** Agreement with a pole of the order before: 0 new, 1 in frequency, 2 in damping too, 3 in shape too. */
+  stability: number[];
+  /** Number of the mode that each pole belongs to. */
+  mode: (number | null)[];
+  modes: number[];
+  doubtful: { frequency: number; loss_factor: number | null; reason: string }[];
+  indicators: { freq: number[]; cmif: number[][] };
 }
 
 export interface Effect {
@@ -124,5 +140,6 @@ export const geometry = (id: string) => get<Geometry>(`/structures/${id}/geometr
 export const structureModes = (id: string) => get<StructureModes>(`/structures/${id}/modes?count=10`);
 export const measurement = (id: string) => get<Measurement>(`/measurements/${id}`);
 export const modalModel = (id: string) => get<ModalModel>(`/modal-models/${id}`);
+export const stabilisation = (id: string) => get<Chart>(`/modal-models/${id}/chart`);
 export const diagnosis = (id: string) => get<Diagnosis>(`/diagnoses/${id}`);
 export const frfs = async (id: string): Promise<Frfs> => frfsOf(await arrays(`/measurements/${id}/arrays`));

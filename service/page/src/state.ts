@@ -13,6 +13,8 @@ export interface State {
   t: string[];
   /** modal model */
   x?: string;
+  /** modal models of the same test by other methods */
+  f: string[];
   /** update */
   u?: string;
   /** diagnosis */
@@ -24,12 +26,14 @@ export interface State {
 }
 
 const SINGLE = ["s", "x", "u", "d", "j", "rig"] as const;
+const LISTS = ["t", "f"] as const;
 
 export function parse(hash: string): State {
   const [name, query = ""] = hash.replace(/^#\/?/, "").split("?");
   const params = new URLSearchParams(query);
   const view = VIEWS.find((known) => known === name) ?? "rig";
-  const state: State = { view, t: params.get("t")?.split(",").filter(Boolean) ?? [] };
+  const list = (key: string) => params.get(key)?.split(",").filter(Boolean) ?? [];
+  const state: State = { view, t: list("t"), f: list("f") };
   for (const key of SINGLE) {
     const value = params.get(key);
     if (value) state[key] = value;
@@ -43,7 +47,7 @@ export function address(state: State): string {
     const value = state[key];
     if (value) params.set(key, value);
   }
-  if (state.t.length) params.set("t", state.t.join(","));
+  for (const key of LISTS) if (state[key].length) params.set(key, state[key].join(","));
   // Commas and colons are legal in a fragment, and ids are read by people.
   const query = params.toString().replaceAll("%2C", ",").replaceAll("%3A", ":");
   return `#${state.view}${query ? `?${query}` : ""}`;

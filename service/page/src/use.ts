@@ -40,19 +40,19 @@ export interface Work {
   job: Job | null;
   problem: Problem | null;
   busy: boolean;
-  /** Send a request that starts a job, and follow it. */
-  start(path: string, body: unknown | (() => Promise<unknown>)): void;
+  /** Send a request that starts a job, and follow it; of several requests one after the other. */
+  start(path: string, ...bodies: (unknown | (() => Promise<unknown>))[]): void;
   stop(): void;
 }
 
-/** Return the work of a view: a job that is started, followed, and ends in an id given to `done`. */
-export function useWork(done: (resultId: string) => void): Work {
+/** Return the work of a view: jobs that are started, followed, and end in ids given to `done`. */
+export function useWork(done: (...resultIds: string[]) => void): Work {
   const [job, setJob] = useState<Job | null>(null);
   const [problem, setProblem] = useState<Problem | null>(null);
   const [busy, setBusy] = useState(false);
   const abort = useRef<AbortController | null>(null);
   useEffect(() => () => abort.current?.abort(), []);
-  const start = useCallback((path: string, body: unknown | (() => Promise<unknown>)) => {
+  const start = useCallback((path: string, ...bodies: (unknown | (() => Promise<unknown>))[]) => {
     const controller = new AbortController();
     abort.current?.abort();
     abort.current = controller;
@@ -60,12 +60,17 @@ export function useWork(done: (resultId: string) => void): Work {
     setJob(null);
     setBusy(true);
     const run = async () => {
-      const request = typeof body === "function" ? await body() : body;
-      const first = await post<Job>(path, request);
-      setJob(first);
-      const last = await follow(first.id, setJob, controller.signal);
-      if (last.state === "failed") setProblem(last.error);
-      if (last.state === "succeeded") done(last.result_id!);
+      const results: string[] = [];
+      for (const body of bodies) {
+        const request = typeof body === "function" ? await body() : body;
+        const first = await post<Job>(path, request);
+        setJob(first);
+        const last = await follow(first.id, setJob, controller.signal);
+        if (last.state === "failed") setProblem(last.error);
+        if (last.state !== "succeeded") return;
+        results.push(last.result_id!);
+      }
+      done(...results);
     };
     run()
       .catch((error) => setProblem(asProblem(error)))
