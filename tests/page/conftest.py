@@ -1,9 +1,12 @@
 """Node and Chromium, where they are at hand."""
 
+import json
+import os
 import shutil
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -34,6 +37,35 @@ def chromium() -> str:
     if path is None:
         pytest.skip("chromium is not installed")
     return path
+
+
+Walk = Callable[..., dict[str, Any]]
+
+
+@pytest.fixture(scope="module")
+def walk(node: str, chromium: str, tmp_path_factory: pytest.TempPathFactory) -> Walk:
+    """Function that runs a script of `e2e` on a service, and returns what it says of each step."""
+    pictures = Path(os.environ.get("PAGE_PICTURES") or tmp_path_factory.mktemp("pictures"))
+
+    def run(script: str, address: str, **environment: str) -> dict[str, Any]:
+        done = subprocess.run(
+            [node, f"e2e/{script}", address, str(pictures)],
+            cwd=SOURCES,
+            env=os.environ | environment | {"CHROMIUM": chromium},
+            capture_output=True,
+            text=True,
+        )
+        lines = [json.loads(line) for line in done.stdout.splitlines()]
+        assert lines, done.stderr
+        return {line["name"]: line for line in lines}
+
+    return run
+
+
+def check_step(steps: dict[str, Any], name: str) -> None:
+    """Fail if a step failed, or one before it."""
+    assert name in steps, "an earlier step failed"
+    assert "fault" not in steps[name], steps[name]["fault"]
 
 
 @pytest.fixture(scope="module")

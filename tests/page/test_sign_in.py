@@ -1,6 +1,5 @@
 """A student's way in and out of a service with keys, in a browser."""
 
-import json
 import os
 import subprocess
 import sys
@@ -10,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from tests.page.conftest import SOURCES
+from tests.page.conftest import Walk, check_step
 from tests.serving import Lab, free_port, running
 
 NAME = "A student whose name is longer than the header of a phone"
@@ -35,28 +34,15 @@ def keys(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, str]]:
 
 
 @pytest.fixture(scope="module")
-def steps(
-    node: str, chromium: str, keys: dict[str, str], tmp_path_factory: pytest.TempPathFactory
-) -> dict[str, Any]:
+def steps(walk: Walk, keys: dict[str, str]) -> dict[str, Any]:
     """What the script says of each step."""
-    pictures = Path(os.environ.get("PAGE_PICTURES") or tmp_path_factory.mktemp("pictures"))
-    done = subprocess.run(
-        [node, "e2e/sign-in.mjs", keys["address"], str(pictures)],
-        cwd=SOURCES,
-        env=os.environ | {"CHROMIUM": chromium, "KEY": keys["student"]},
-        capture_output=True,
-        text=True,
-    )
-    lines = [json.loads(line) for line in done.stdout.splitlines()]
-    assert lines, done.stderr
-    return {line["name"]: line for line in lines}
+    return walk("sign-in.mjs", keys["address"], KEY=keys["student"])
 
 
 @pytest.mark.parametrize("name", ["wrong key", "student's key", "measure", "expired session", "sign out"])
 def test_a_step_of_a_student(steps: dict[str, Any], name: str) -> None:
     """Each step looks, too, that the key is in no address, message, storage or part of the page."""
-    assert name in steps, "an earlier step failed"
-    assert "fault" not in steps[name], steps[name]["fault"]
+    check_step(steps, name)
 
 
 def test_a_wrong_key_is_told_in_the_sentence_of_the_service(steps: dict[str, Any]) -> None:

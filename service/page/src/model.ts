@@ -108,6 +108,21 @@ export interface Rival {
   gap_after: number;
 }
 
+/** Effect of no catalogue, solved for line by line. */
+export interface Unknown {
+  cause: "internal_force" | "channel_gain" | "common_gain";
+  at: Place;
+  unit: string;
+  curve_model: string | null;
+  source: string | null;
+  parameters: Effect["parameters"];
+  gap_before: number | null;
+  gap_after: number | null;
+  held_out_gap_before: number | null;
+  held_out_gap_after: number | null;
+  rivals_alike: Pick<Unknown, "cause" | "at">[];
+}
+
 export interface Step {
   effect: Effect;
   probability: number;
@@ -128,7 +143,9 @@ export interface Diagnosis {
   remaining_gap: number;
   gaps: { before: Record<string, number | null>; after: Record<string, number | null> };
   candidates: Rival[];
-  next_test: { why: string; change: Record<string, unknown>; separates: string[] } | null;
+  unknown: Unknown | null;
+  next_test: { why: string; change: Record<string, unknown>; separates: string[]; expected_separation: number | null } | null;
+  follow_ups: { measurement_id: string; changed: Record<string, unknown> }[];
   notes: string[];
   structure_id: string;
   rig_id: string;

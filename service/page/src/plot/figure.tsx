@@ -20,6 +20,8 @@ interface FigureProps {
   series: Series[];
   /** One scale for both axes: a circle is round. */
   equal?: boolean;
+  /** Interval of the error at each abscissa. */
+  band?: { x: number[]; low: number[]; high: number[] };
 }
 
 const [WIDTH, HEIGHT] = [330, 270];
@@ -27,10 +29,10 @@ const FRAME = { left: 52, right: 322, top: 10, bottom: 226 };
 
 type Interval = [number, number];
 
-export function Figure({ title, x, y, series, equal }: FigureProps) {
+export function Figure({ title, x, y, series, equal, band }: FigureProps) {
   const svg = useRef<SVGSVGElement>(null);
   let horizontal = extent(series.flatMap((one) => one.x));
-  let vertical = extent(series.flatMap((one) => one.y));
+  let vertical = extent([...series.flatMap((one) => one.y), ...(band?.low ?? []), ...(band?.high ?? [])]);
   if (equal) [horizontal, vertical] = alike(horizontal, vertical);
   const px = (value: number) => FRAME.left + ((value - horizontal[0]) / (horizontal[1] - horizontal[0])) * (FRAME.right - FRAME.left);
   const py = (value: number) => FRAME.bottom - ((value - vertical[0]) / (vertical[1] - vertical[0])) * (FRAME.bottom - FRAME.top);
@@ -42,6 +44,7 @@ export function Figure({ title, x, y, series, equal }: FigureProps) {
       <svg ref={svg} viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="img" aria-label={`${title}: ${y} over ${x}`}>
         <Axis interval={horizontal} place={px} title={x} across />
         <Axis interval={vertical} place={py} title={y} />
+        {band && <path class="figure-band" d={`M${[...band.x.map((value, i) => [value, band.high[i]]), ...band.x.map((value, i) => [value, band.low[i]]).reverse()].map(([a, b]) => `${px(a).toFixed(1)} ${py(b).toFixed(1)}`).join("L")}Z`} />}
         {series.map((one) =>
           one.mark === "line"
             ? <path class={`figure-line ${one.tone}`} d={one.x.length ? path(one) : ""} />
@@ -57,9 +60,10 @@ export function Figure({ title, x, y, series, equal }: FigureProps) {
 }
 
 function Axis({ interval, place, title, across }: { interval: Interval; place(value: number): number; title: string; across?: boolean }) {
-  const exponent = 3 * Math.floor(Math.log10(Math.max(...interval.map(Math.abs))) / 3);
-  const shift = exponent >= -3 && exponent <= 3 ? 0 : exponent;
-  const words = shift ? `${title} · ${power(-shift)}` : title;
+  const largest = Math.max(...interval.map(Math.abs));
+  const shift = largest >= 1e4 || largest < 1e-2 ? 3 * Math.floor(Math.log10(largest) / 3) : 0;
+  const [name, unit = ""] = title.split(", ");
+  const words = shift ? `${name}, ${power(shift)} ${unit}` : title;
   const middle = (FRAME.top + FRAME.bottom) / 2;
   return (
     <g class="figure-axis">
