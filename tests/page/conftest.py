@@ -4,7 +4,9 @@ import json
 import os
 import shutil
 import subprocess
+import sys
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -75,3 +77,16 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     with running("serve", "--port", str(port), data=data), Lab(port) as lab:
         lab.wait_until_up()
         yield f"http://127.0.0.1:{port}"
+
+
+@contextmanager
+def service_with_key(data: Path, name: str, role: str) -> Iterator[tuple[str, str]]:
+    """Run a service with keys; its address, and a key of a role on it."""
+    command = [sys.executable, "-m", "modallab", "keys", "create", "--data", str(data)]
+    command += ["--role", "admin", "--name", "Laboratory"]
+    admin = subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+    port, headers = free_port(), {"Authorization": f"Bearer {admin}"}
+    with running("serve", "--port", str(port), data=data), Lab(port) as lab:
+        lab.wait_until_up()
+        made = lab.request("POST", "/keys", json={"name": name, "role": role}, headers=headers)
+        yield f"http://127.0.0.1:{port}", made.json()["key"]

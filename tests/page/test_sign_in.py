@@ -4,33 +4,20 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
 
-from tests.page.conftest import Walk, check_step
-from tests.serving import Lab, free_port, running
+from tests.page.conftest import Walk, check_step, service_with_key
 
 NAME = "A student whose name is longer than the header of a phone"
-
-
-def first_key(data: Path) -> str:
-    """Return an administrator's key, made by the command."""
-    command = [sys.executable, "-m", "modallab", "keys", "create", "--data", str(data)]
-    command += ["--role", "admin", "--name", "Laboratory"]
-    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
 
 
 @pytest.fixture(scope="module")
 def keys(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, str]]:
     """Address of a service with keys, and the key of a student on it."""
-    port, data = free_port(), tmp_path_factory.mktemp("keys")
-    admin = {"Authorization": f"Bearer {first_key(data)}"}
-    with running("serve", "--port", str(port), data=data), Lab(port) as lab:
-        lab.wait_until_up()
-        made = lab.request("POST", "/keys", json={"name": NAME, "role": "student"}, headers=admin)
-        yield {"address": f"http://127.0.0.1:{port}", "student": made.json()["key"]}
+    with service_with_key(tmp_path_factory.mktemp("keys"), NAME, "student") as (address, key):
+        yield {"address": address, "student": key}
 
 
 @pytest.fixture(scope="module")

@@ -14,6 +14,7 @@ const TITLES: Record<View, string> = {
   extract: "Extract",
   correlate: "Correlate",
   diagnose: "Diagnose",
+  class: "Class",
 };
 
 // The first view comes with the page, the others when they are asked for.
@@ -22,6 +23,7 @@ const LATER: Record<Exclude<View, "rig">, () => Promise<ViewComponent>> = {
   extract: () => import("./views/extract").then((views) => views.ExtractView),
   correlate: () => import("./views/correlate").then((views) => views.CorrelateView),
   diagnose: () => import("./views/diagnose").then((views) => views.DiagnoseView),
+  class: () => import("./views/class").then((views) => views.ClassView),
 };
 
 type ViewComponent = (props: { state: State }) => preact.JSX.Element;

@@ -2,7 +2,7 @@
 
 import { useEffect, useState } from "preact/hooks";
 
-export const VIEWS = ["rig", "measure", "extract", "correlate", "diagnose"] as const;
+export const VIEWS = ["rig", "measure", "extract", "correlate", "diagnose", "class"] as const;
 export type View = (typeof VIEWS)[number];
 
 export interface State {
@@ -19,13 +19,17 @@ export interface State {
   u?: string;
   /** diagnosis */
   d?: string;
+  /** class */
+  c?: string;
+  /** assignment */
+  a?: string;
   /** job under way */
   j?: string;
   /** rig that is being set up, where it differs from the usual one */
   rig?: string;
 }
 
-const SINGLE = ["s", "x", "u", "d", "j", "rig"] as const;
+const SINGLE = ["s", "x", "u", "d", "c", "a", "j", "rig"] as const;
 const LISTS = ["t", "f"] as const;
 
 export function parse(hash: string): State {

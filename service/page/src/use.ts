@@ -36,6 +36,27 @@ export function useLoaded<T>(key: string | null, load: () => Promise<T>): Loaded
 
 const IDLE = { value: null, problem: null, loading: false };
 
+/** Return what `load` brings now, after `again()`, and every so many milliseconds: for what others change. */
+export function usePolled<T>(key: string, load: () => Promise<T>, every = 0): Loaded<T> & { again(): void } {
+  const [state, setState] = useState<Loaded<T>>({ value: null, problem: null, loading: true });
+  const [turn, setTurn] = useState(0);
+  useEffect(() => {
+    let current = true;
+    const read = () =>
+      load().then(
+        (value) => current && setState({ value, problem: null, loading: false }),
+        (error) => current && setState((old) => ({ ...old, problem: asProblem(error), loading: false })),
+      );
+    read();
+    const timer = every ? setInterval(() => document.hidden || read(), every) : 0;
+    return () => {
+      current = false;
+      clearInterval(timer);
+    };
+  }, [key, turn]);
+  return { ...state, again: useCallback(() => setTurn((n) => n + 1), []) };
+}
+
 export interface Work {
   job: Job | null;
   problem: Problem | null;

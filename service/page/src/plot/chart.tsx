@@ -5,6 +5,7 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { firstAtLeast, thin } from "../thin";
 import { onLightChange, resolve, rgb } from "./colour";
+import { logTicks } from "./log-ticks";
 import { density, paint } from "./raster";
 
 export type Range = [number, number];
@@ -102,7 +103,7 @@ function create(element: HTMLElement, latest: { current: ChartProps }): uPlot {
     },
     axes: [
       { ...axis, size: 30, gap: 4, values: (_u, values) => values.map((value, i) => (i === values.length - 1 ? `${value} Hz` : String(value))) },
-      { ...axis, size: 62, label: unit, labelSize: 18, labelFont: axis.font, labelGap: 0, grid: gridOf, ticks: { show: false }, values: (_u, values) => values.map((v) => tick(v, log)), ...(log && { filter: decades }) },
+      { ...axis, size: 62, label: unit, labelSize: 18, labelFont: axis.font, labelGap: 0, grid: gridOf, ticks: { show: false }, values: (_u, values) => values.map((v) => tick(v, log)), ...(log && { filter: decades, splits: (_u, _axis, low, high) => logTicks(low, high) }) },
     ],
     series: [{}, ...(many ? [HIDDEN, HIDDEN] : lines.map(seriesOf))],
     cursor: {
