@@ -40,6 +40,7 @@ function STEPS() {
     ["shared address", sharedAddress],
     ["errors", errors],
     ["reference", reference],
+    ["class", noClass],
   ];
 }
 
@@ -170,6 +171,7 @@ async function correlate(page) {
   await tabTo(page, "button.primary");
   await page.keyboard.press("Enter");
   await page.locator(".bars").waitFor();
+  assert((await page.locator(".small-figure .figure-line").count()) > 4, "coefficients are drawn by iteration");
   const python = await page.getByRole("button", { name: "Copy as Python" }).getAttribute("data-python");
   await examine(page, "correlate", folder);
   return { python };
@@ -223,4 +225,12 @@ async function reference(page) {
   await page.goto(`${address}/docs`);
   await page.getByText("Create a structure").first().waitFor();
   await page.screenshot({ path: `${folder}/reference.png` });
+}
+
+/** A service without keys has no classes, and asks for no key. */
+async function noClass(page) {
+  await page.goto(`${address}/#class`);
+  await page.getByRole("heading", { name: "A class needs keys" }).waitFor();
+  assert((await page.getByRole("button", { name: /sign/i }).count()) === 0, "a service without keys asks for none");
+  await examine(page, "class", folder);
 }
