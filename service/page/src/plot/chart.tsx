@@ -5,7 +5,7 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { firstAtLeast, thin } from "../thin";
 import { onLightChange, resolve, rgb } from "./colour";
-import { logTicks } from "./log-ticks";
+import { decades, logTicks, tickText } from "./log-ticks";
 import { density, paint } from "./raster";
 
 export type Range = [number, number];
@@ -103,7 +103,7 @@ function create(element: HTMLElement, latest: { current: ChartProps }): uPlot {
     },
     axes: [
       { ...axis, size: 30, gap: 4, values: (_u, values) => values.map((value, i) => (i === values.length - 1 ? `${value} Hz` : String(value))) },
-      { ...axis, size: 62, label: unit, labelSize: 18, labelFont: axis.font, labelGap: 0, grid: gridOf, ticks: { show: false }, values: (_u, values) => values.map((v) => tick(v, log)), ...(log && { filter: decades, splits: (_u, _axis, low, high) => logTicks(low, high) }) },
+      { ...axis, size: 62, label: unit, labelSize: 18, labelFont: axis.font, labelGap: 0, grid: gridOf, ticks: { show: false }, values: (_u, values) => values.map((v) => tickText(v, log)), ...(log && { filter: decades, splits: (_u, _axis, low, high) => logTicks(low, high) }) },
     ],
     series: [{}, ...(many ? [HIDDEN, HIDDEN] : lines.map(seriesOf))],
     cursor: {
@@ -295,22 +295,4 @@ function margins(low: number, high: number, log?: boolean): Range {
   }
   const space = 0.06 * (high - low || Math.abs(high) || 1);
   return [low - space, high + space];
-}
-
-/** Return the splits of a logarithmic axis that are powers of ten; all where there are hardly any. */
-function decades(_u: uPlot, splits: number[]): (number | null)[] {
-  const powers = splits.map((value) => (isPower(value) ? value : null));
-  return powers.filter((value) => value !== null).length > 1 ? powers : splits;
-}
-
-const isPower = (value: number) => Math.abs(Math.log10(value) - Math.round(Math.log10(value))) < 1e-6;
-
-const SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹";
-
-function tick(value: number | null, log?: boolean): string {
-  if (value === null) return "";
-  if (!log) return String(Number(value.toPrecision(6))).replace("-", "−");
-  if (!isPower(value)) return String(Number(value.toPrecision(2)));
-  const text = String(Math.round(Math.log10(value)));
-  return `10${[...text].map((c) => (c === "-" ? "⁻" : SUPERSCRIPTS[Number(c)])).join("")}`;
 }
