@@ -1,9 +1,14 @@
 """Node and Chromium, where they are at hand."""
 
+import json
+import os
 import shutil
 import subprocess
-from collections.abc import Iterator
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -36,6 +41,35 @@ def chromium() -> str:
     return path
 
 
+Walk = Callable[..., dict[str, Any]]
+
+
+@pytest.fixture(scope="module")
+def walk(node: str, chromium: str, tmp_path_factory: pytest.TempPathFactory) -> Walk:
+    """Function that runs a script of `e2e` on a service, and returns what it says of each step."""
+    pictures = Path(os.environ.get("PAGE_PICTURES") or tmp_path_factory.mktemp("pictures"))
+
+    def run(script: str, address: str, **environment: str) -> dict[str, Any]:
+        done = subprocess.run(
+            [node, f"e2e/{script}", address, str(pictures)],
+            cwd=SOURCES,
+            env=os.environ | environment | {"CHROMIUM": chromium},
+            capture_output=True,
+            text=True,
+        )
+        lines = [json.loads(line) for line in done.stdout.splitlines()]
+        assert lines, done.stderr
+        return {line["name"]: line for line in lines}
+
+    return run
+
+
+def check_step(steps: dict[str, Any], name: str) -> None:
+    """Fail if a step failed, or one before it."""
+    assert name in steps, "an earlier step failed"
+    assert "fault" not in steps[name], steps[name]["fault"]
+
+
 @pytest.fixture(scope="module")
 def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """Address of a service with nothing in it."""
@@ -43,3 +77,16 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     with running("serve", "--port", str(port), data=data), Lab(port) as lab:
         lab.wait_until_up()
         yield f"http://127.0.0.1:{port}"
+
+
+@contextmanager
+def service_with_key(data: Path, name: str, role: str) -> Iterator[tuple[str, str]]:
+    """Run a service with keys; its address, and a key of a role on it."""
+    command = [sys.executable, "-m", "modallab", "keys", "create", "--data", str(data)]
+    command += ["--role", "admin", "--name", "Laboratory"]
+    admin = subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
+    port, headers = free_port(), {"Authorization": f"Bearer {admin}"}
+    with running("serve", "--port", str(port), data=data), Lab(port) as lab:
+        lab.wait_until_up()
+        made = lab.request("POST", "/keys", json={"name": name, "role": role}, headers=headers)
+        yield f"http://127.0.0.1:{port}", made.json()["key"]

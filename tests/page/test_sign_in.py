@@ -1,62 +1,35 @@
 """A student's way in and out of a service with keys, in a browser."""
 
-import json
 import os
 import subprocess
 import sys
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
 
-from tests.page.conftest import SOURCES
-from tests.serving import Lab, free_port, running
+from tests.page.conftest import Walk, check_step, service_with_key
 
 NAME = "A student whose name is longer than the header of a phone"
-
-
-def first_key(data: Path) -> str:
-    """Return an administrator's key, made by the command."""
-    command = [sys.executable, "-m", "modallab", "keys", "create", "--data", str(data)]
-    command += ["--role", "admin", "--name", "Laboratory"]
-    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
 
 
 @pytest.fixture(scope="module")
 def keys(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, str]]:
     """Address of a service with keys, and the key of a student on it."""
-    port, data = free_port(), tmp_path_factory.mktemp("keys")
-    admin = {"Authorization": f"Bearer {first_key(data)}"}
-    with running("serve", "--port", str(port), data=data), Lab(port) as lab:
-        lab.wait_until_up()
-        made = lab.request("POST", "/keys", json={"name": NAME, "role": "student"}, headers=admin)
-        yield {"address": f"http://127.0.0.1:{port}", "student": made.json()["key"]}
+    with service_with_key(tmp_path_factory.mktemp("keys"), NAME, "student") as (address, key):
+        yield {"address": address, "student": key}
 
 
 @pytest.fixture(scope="module")
-def steps(
-    node: str, chromium: str, keys: dict[str, str], tmp_path_factory: pytest.TempPathFactory
-) -> dict[str, Any]:
+def steps(walk: Walk, keys: dict[str, str]) -> dict[str, Any]:
     """What the script says of each step."""
-    pictures = Path(os.environ.get("PAGE_PICTURES") or tmp_path_factory.mktemp("pictures"))
-    done = subprocess.run(
-        [node, "e2e/sign-in.mjs", keys["address"], str(pictures)],
-        cwd=SOURCES,
-        env=os.environ | {"CHROMIUM": chromium, "KEY": keys["student"]},
-        capture_output=True,
-        text=True,
-    )
-    lines = [json.loads(line) for line in done.stdout.splitlines()]
-    assert lines, done.stderr
-    return {line["name"]: line for line in lines}
+    return walk("sign-in.mjs", keys["address"], KEY=keys["student"])
 
 
 @pytest.mark.parametrize("name", ["wrong key", "student's key", "measure", "expired session", "sign out"])
 def test_a_step_of_a_student(steps: dict[str, Any], name: str) -> None:
     """Each step looks, too, that the key is in no address, message, storage or part of the page."""
-    assert name in steps, "an earlier step failed"
-    assert "fault" not in steps[name], steps[name]["fault"]
+    check_step(steps, name)
 
 
 def test_a_wrong_key_is_told_in_the_sentence_of_the_service(steps: dict[str, Any]) -> None:

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from modallab.api.array_docs import arrays_of
 from modallab.api.arrays import ArraySpec, array_replies
+from modallab.api.diagnoses.unknown_arrays import UNKNOWN_ARRAYS
 from modallab.core.frf import FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.correlation.compare import Correlation
@@ -154,5 +155,6 @@ DIAGNOSIS = array_replies(
         DiagnosisCurves,
         *("freq", "measured", "before", "after", "random_error", "held_out"),
         *("outputs", "inputs", "predicted", "predicted_outputs"),
-    ),
+    )
+    | UNKNOWN_ARRAYS,
 )

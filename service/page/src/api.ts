@@ -30,6 +30,12 @@ export async function upload<T>(path: string, form: FormData): Promise<T> {
   return (await send(path, { method: "POST", body: form })).json();
 }
 
+/** Return a reply as a file of a media type; a body makes it a POST. */
+export async function file(path: string, accept: string, body?: unknown): Promise<Blob> {
+  const init = body === undefined ? {} : posting(body);
+  return (await send(path, { ...init, headers: { ...init.headers, Accept: accept } })).blob();
+}
+
 export async function arrays(path: string): Promise<Arrays> {
   const reply = await send(path, { headers: { Accept: "application/octet-stream" } });
   return readNpz(await reply.arrayBuffer());

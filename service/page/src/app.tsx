@@ -4,10 +4,8 @@ import { useEffect, useState } from "preact/hooks";
 import { Account, SignInForm } from "./parts/sign-in";
 import { resume, useSession } from "./session";
 import { type State, type View, VIEWS, address, useAddress } from "./state";
-import { CorrelateView } from "./views/correlate";
-import { DiagnoseView } from "./views/diagnose";
-import { ExtractView } from "./views/extract";
-import { MeasureView } from "./views/measure";
+import { Loading, ProblemNote } from "./parts/notes";
+import { useLoaded } from "./use";
 import { RigView } from "./views/rig";
 
 const TITLES: Record<View, string> = {
@@ -16,20 +14,29 @@ const TITLES: Record<View, string> = {
   extract: "Extract",
   correlate: "Correlate",
   diagnose: "Diagnose",
+  class: "Class",
 };
 
-const COMPONENTS = {
-  rig: RigView,
-  measure: MeasureView,
-  extract: ExtractView,
-  correlate: CorrelateView,
-  diagnose: DiagnoseView,
+// The first view comes with the page, the others when they are asked for.
+const LATER: Record<Exclude<View, "rig">, () => Promise<ViewComponent>> = {
+  measure: () => import("./views/measure").then((views) => views.MeasureView),
+  extract: () => import("./views/extract").then((views) => views.ExtractView),
+  correlate: () => import("./views/correlate").then((views) => views.CorrelateView),
+  diagnose: () => import("./views/diagnose").then((views) => views.DiagnoseView),
+  class: () => import("./views/class").then((views) => views.ClassView),
 };
+
+type ViewComponent = (props: { state: State }) => preact.JSX.Element;
+
+function LaterView({ view, state }: { view: Exclude<View, "rig">; state: State }) {
+  const loaded = useLoaded<{ View: ViewComponent }>(`view/${view}`, async () => ({ View: await LATER[view]() }));
+  if (loaded.problem) return <ProblemNote problem={loaded.problem} again={() => location.reload()} />;
+  return loaded.value ? <loaded.value.View state={state} /> : <Loading what="the view" />;
+}
 
 export function App() {
   const state = useAddress();
   const session = useSession();
-  const View = COMPONENTS[state.view];
   useEffect(() => {
     document.title = `${TITLES[state.view]} – modallab`;
   }, [state.view]);
@@ -52,7 +59,7 @@ export function App() {
         </div>
       </header>
       <main id="main" tabIndex={-1}>
-        <View key={state.view} state={state} />
+        {state.view === "rig" ? <RigView state={state} /> : <LaterView key={state.view} view={state.view} state={state} />}
       </main>
       {session.asking && <SignInForm />}
     </>

@@ -7,7 +7,7 @@ export function short(value: number | null | undefined, digits = 4): string {
   const size = Math.abs(value);
   if (size >= 1e5 || size < 1e-4) {
     const [mantissa, exponent] = value.toExponential(digits - 1).split("e");
-    return `${minus(String(Number(mantissa)))}·10${superscript(Number(exponent))}`;
+    return `${minus(String(Number(mantissa)))}·${power(Number(exponent))}`;
   }
   return minus(String(Number(value.toPrecision(digits))));
 }
@@ -31,6 +31,9 @@ export function percent(share: number): string {
 export function minus(text: string): string {
   return text.replace("-", "−");
 }
+
+/** Return a power of ten as text. */
+export const power = (exponent: number) => `10${superscript(exponent)}`;
 
 function superscript(exponent: number): string {
   return [...String(exponent)].map((c) => (c === "-" ? "⁻" : "⁰¹²³⁴⁵⁶⁷⁸⁹"[Number(c)])).join("");

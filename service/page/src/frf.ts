@@ -1,6 +1,7 @@
 /** Frequency response functions as arrays of numbers, and their representations in plots. */
 
 import type { Arrays } from "./npz";
+import { firstAtLeast } from "./thin";
 
 export type Representation = "magnitude" | "phase" | "real" | "imaginary" | "nyquist";
 
@@ -72,4 +73,18 @@ export function part(curve: Curve, representation: Exclude<Representation, "nyqu
 /** Return a phase with gaps (NaN) where it wraps, so that no line is drawn across the plot. */
 export function withoutWraps(phase: Float64Array): Float64Array {
   return phase.map((value, i) => (i > 0 && Math.abs(value - phase[i - 1]) > 270 ? Number.NaN : value));
+}
+
+/** Return whether two tests have the same frequency lines. */
+export function sameLines(a: Float64Array, b: Float64Array): boolean {
+  return a.length === b.length && a[0] === b[0] && a[a.length - 1] === b[b.length - 1];
+}
+
+/** Return the values nearest to other frequencies; NaN beyond the ends. */
+export function nearest(x: Float64Array, y: Float64Array, at: Float64Array): Float64Array {
+  return at.map((freq) => {
+    if (freq < x[0] || freq > x[x.length - 1]) return Number.NaN;
+    const after = firstAtLeast(x, freq);
+    return y[after > 0 && freq - x[after - 1] < x[after] - freq ? after - 1 : after];
+  });
 }

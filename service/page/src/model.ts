@@ -77,6 +77,22 @@ export interface ModalModel {
   measurement_id: string | null;
   notes: string[];
   choices: Record<string, string>;
+  dofs: string[];
+  references: string[];
+}
+
+/** Poles of a global method at rising model orders. */
+export interface Chart {
+  order: number[];
+  frequency: number[];
+  loss_factor: number[];
+  /** Agreement with a pole of the order before: 0 new, 1 in frequency, 2 in damping too, 3 in shape too. */
+  stability: number[];
+  /** Number of the mode that each pole belongs to. */
+  mode: (number | null)[];
+  modes: number[];
+  doubtful: { frequency: number; loss_factor: number | null; reason: string }[];
+  indicators: { freq: number[]; cmif: number[][] };
 }
 
 export interface Effect {
@@ -90,6 +106,21 @@ export interface Rival {
   at: Place;
   probability: number;
   gap_after: number;
+}
+
+/** Effect of no catalogue, solved for line by line. */
+export interface Unknown {
+  cause: "internal_force" | "channel_gain" | "common_gain";
+  at: Place;
+  unit: string;
+  curve_model: string | null;
+  source: string | null;
+  parameters: Effect["parameters"];
+  gap_before: number | null;
+  gap_after: number | null;
+  held_out_gap_before: number | null;
+  held_out_gap_after: number | null;
+  rivals_alike: Pick<Unknown, "cause" | "at">[];
 }
 
 export interface Step {
@@ -112,7 +143,9 @@ export interface Diagnosis {
   remaining_gap: number;
   gaps: { before: Record<string, number | null>; after: Record<string, number | null> };
   candidates: Rival[];
-  next_test: { why: string; change: Record<string, unknown>; separates: string[] } | null;
+  unknown: Unknown | null;
+  next_test: { why: string; change: Record<string, unknown>; separates: string[]; expected_separation: number | null } | null;
+  follow_ups: { measurement_id: string; changed: Record<string, unknown> }[];
   notes: string[];
   structure_id: string;
   rig_id: string;
@@ -124,5 +157,6 @@ export const geometry = (id: string) => get<Geometry>(`/structures/${id}/geometr
 export const structureModes = (id: string) => get<StructureModes>(`/structures/${id}/modes?count=10`);
 export const measurement = (id: string) => get<Measurement>(`/measurements/${id}`);
 export const modalModel = (id: string) => get<ModalModel>(`/modal-models/${id}`);
+export const stabilisation = (id: string) => get<Chart>(`/modal-models/${id}/chart`);
 export const diagnosis = (id: string) => get<Diagnosis>(`/diagnoses/${id}`);
 export const frfs = async (id: string): Promise<Frfs> => frfsOf(await arrays(`/measurements/${id}/arrays`));

@@ -2,7 +2,7 @@
 
 import { useEffect, useState } from "preact/hooks";
 
-export const VIEWS = ["rig", "measure", "extract", "correlate", "diagnose"] as const;
+export const VIEWS = ["rig", "measure", "extract", "correlate", "diagnose", "class"] as const;
 export type View = (typeof VIEWS)[number];
 
 export interface State {
@@ -13,23 +13,31 @@ export interface State {
   t: string[];
   /** modal model */
   x?: string;
+  /** modal models of the same test by other methods */
+  f: string[];
   /** update */
   u?: string;
   /** diagnosis */
   d?: string;
+  /** class */
+  c?: string;
+  /** assignment */
+  a?: string;
   /** job under way */
   j?: string;
   /** rig that is being set up, where it differs from the usual one */
   rig?: string;
 }
 
-const SINGLE = ["s", "x", "u", "d", "j", "rig"] as const;
+const SINGLE = ["s", "x", "u", "d", "c", "a", "j", "rig"] as const;
+const LISTS = ["t", "f"] as const;
 
 export function parse(hash: string): State {
   const [name, query = ""] = hash.replace(/^#\/?/, "").split("?");
   const params = new URLSearchParams(query);
   const view = VIEWS.find((known) => known === name) ?? "rig";
-  const state: State = { view, t: params.get("t")?.split(",").filter(Boolean) ?? [] };
+  const list = (key: string) => params.get(key)?.split(",").filter(Boolean) ?? [];
+  const state: State = { view, t: list("t"), f: list("f") };
   for (const key of SINGLE) {
     const value = params.get(key);
     if (value) state[key] = value;
@@ -43,7 +51,7 @@ export function address(state: State): string {
     const value = state[key];
     if (value) params.set(key, value);
   }
-  if (state.t.length) params.set("t", state.t.join(","));
+  for (const key of LISTS) if (state[key].length) params.set(key, state[key].join(","));
   // Commas and colons are legal in a fragment, and ids are read by people.
   const query = params.toString().replaceAll("%2C", ",").replaceAll("%3A", ":");
   return `#${state.view}${query ? `?${query}` : ""}`;

@@ -36,23 +36,44 @@ export function useLoaded<T>(key: string | null, load: () => Promise<T>): Loaded
 
 const IDLE = { value: null, problem: null, loading: false };
 
+/** Return what `load` brings now, after `again()`, and every so many milliseconds: for what others change. */
+export function usePolled<T>(key: string, load: () => Promise<T>, every = 0): Loaded<T> & { again(): void } {
+  const [state, setState] = useState<Loaded<T>>({ value: null, problem: null, loading: true });
+  const [turn, setTurn] = useState(0);
+  useEffect(() => {
+    let current = true;
+    const read = () =>
+      load().then(
+        (value) => current && setState({ value, problem: null, loading: false }),
+        (error) => current && setState((old) => ({ ...old, problem: asProblem(error), loading: false })),
+      );
+    read();
+    const timer = every ? setInterval(() => document.hidden || read(), every) : 0;
+    return () => {
+      current = false;
+      clearInterval(timer);
+    };
+  }, [key, turn]);
+  return { ...state, again: useCallback(() => setTurn((n) => n + 1), []) };
+}
+
 export interface Work {
   job: Job | null;
   problem: Problem | null;
   busy: boolean;
-  /** Send a request that starts a job, and follow it. */
-  start(path: string, body: unknown | (() => Promise<unknown>)): void;
+  /** Send a request that starts a job, and follow it; of several requests one after the other. */
+  start(path: string, ...bodies: (unknown | (() => Promise<unknown>))[]): void;
   stop(): void;
 }
 
-/** Return the work of a view: a job that is started, followed, and ends in an id given to `done`. */
-export function useWork(done: (resultId: string) => void): Work {
+/** Return the work of a view: jobs that are started, followed, and end in ids given to `done`. */
+export function useWork(done: (...resultIds: string[]) => void): Work {
   const [job, setJob] = useState<Job | null>(null);
   const [problem, setProblem] = useState<Problem | null>(null);
   const [busy, setBusy] = useState(false);
   const abort = useRef<AbortController | null>(null);
   useEffect(() => () => abort.current?.abort(), []);
-  const start = useCallback((path: string, body: unknown | (() => Promise<unknown>)) => {
+  const start = useCallback((path: string, ...bodies: (unknown | (() => Promise<unknown>))[]) => {
     const controller = new AbortController();
     abort.current?.abort();
     abort.current = controller;
@@ -60,12 +81,17 @@ export function useWork(done: (resultId: string) => void): Work {
     setJob(null);
     setBusy(true);
     const run = async () => {
-      const request = typeof body === "function" ? await body() : body;
-      const first = await post<Job>(path, request);
-      setJob(first);
-      const last = await follow(first.id, setJob, controller.signal);
-      if (last.state === "failed") setProblem(last.error);
-      if (last.state === "succeeded") done(last.result_id!);
+      const results: string[] = [];
+      for (const body of bodies) {
+        const request = typeof body === "function" ? await body() : body;
+        const first = await post<Job>(path, request);
+        setJob(first);
+        const last = await follow(first.id, setJob, controller.signal);
+        if (last.state === "failed") setProblem(last.error);
+        if (last.state !== "succeeded") return;
+        results.push(last.result_id!);
+      }
+      done(...results);
     };
     run()
       .catch((error) => setProblem(asProblem(error)))

@@ -6,14 +6,14 @@ const DOFS = Array.from({ length: 21 }, (_, i) => [`${i + 1}:+Y`, `${i + 1}:+RZ`
 const rig = usualRig(DOFS, [24, 65, 128, 211, 316, 441, 588, 755, 944]);
 
 test("an address brings everything back", () => {
-  const state = { view: "measure" as const, s: "a1", t: ["m2", "m1"], x: "x1", rig: packed({ ...rig, averages: 7 }) };
+  const state = { view: "measure" as const, s: "a1", t: ["m2", "m1"], x: "x1", f: ["x2", "x3"], rig: packed({ ...rig, averages: 7 }) };
   const back = parse(address(state));
   expect(back).toEqual(state);
   expect(unpacked(back.rig, rig)).toEqual({ ...rig, averages: 7 });
 });
 
 test("an address that makes no sense is the first view", () => {
-  expect(parse("#nonsense?zz=1")).toEqual({ view: "rig", t: [] });
+  expect(parse("#nonsense?zz=1")).toEqual({ view: "rig", t: [], f: [] });
   expect(unpacked("{broken", rig)).toEqual(rig);
   expect(unpacked('{"averages":"many","unknown":1}', rig)).toEqual(rig);
 });

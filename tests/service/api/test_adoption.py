@@ -1,7 +1,9 @@
 """The unknown effect of a diagnosis is adopted over HTTP; one without is refused by name."""
 
+import io
 from typing import Any
 
+import numpy as np
 import pytest
 
 from modallab_client import ModalLab
@@ -35,6 +37,13 @@ def test_the_model_with_the_adopted_effect_explains_the_test() -> None:
     with ModalLab.embedded() as lab:
         found, test = _diagnosis(lab, ["polarity"])
         assert (found.unknown.at, found.unknown.curve_model) == ("5:+Y", "spring")
+        arrays = np.load(io.BytesIO(lab.request("GET", f"/v1/diagnoses/{found.id}/arrays")))
+        first, last = found.unknown.curve[0], found.unknown.curve[-1]
+        assert arrays["unknown.freq"].tolist() == [point.frequency for point in found.unknown.curve]
+        assert arrays["unknown.value"][0] == complex(first.real, first.imaginary)
+        assert arrays["unknown.error"][-1] == last.standard_error
+        stiffness = found.unknown.parameters["stiffness"].value
+        assert set(arrays["unknown.model"][1:]) == {stiffness}  # of a spring; none at 0 Hz
         adopted = lab.diagnoses.adopt(found.id)
         assert adopted.kind == "tabulated_stiffness"
         assert lab.diagnoses.start(adopted.structure_id, test).result().verdict == "nothing_missing"

@@ -13,6 +13,7 @@ from modallab.api.deps import IdPath, JobsDep, OwnerDep, RequestKeyDep, Settings
 from modallab.api.diagnoses.follow_ups import check_follow_ups
 from modallab.api.diagnoses.replies import Adoption, DiagnosisReply, diagnosis_reply
 from modallab.api.diagnoses.schemas import DiagnosisStart, ReportHeadingQuery
+from modallab.api.diagnoses.unknown_arrays import unknown_arrays
 from modallab.api.examples import example
 from modallab.api.jobs import JobReply, job_reply
 from modallab.api.offloading.route import OffloadedRoute
@@ -27,6 +28,7 @@ from modallab.diagnosis.unknown.adoption import adopted_effect
 from modallab.jobs.durations import DURATION, duration_of_solutions
 from modallab.jobs.settings import JOB
 from modallab.jobs.tasks import DIAGNOSIS
+from modallab.store.npz import pack, unpack
 
 # The page holds all it shows: it may load nothing and run nothing.
 _STATIC = {"Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'; img-src data:"}
@@ -87,8 +89,11 @@ def get_diagnosis(id: IdPath, store: StoreDep) -> Any:
     summary="Get measured and predicted FRFs",
 )
 def get_diagnosis_arrays(id: IdPath, store: StoreDep, form: ArraysFormatDep) -> Response:
-    """Return measured FRFs and those predicted before and after a diagnosis."""
-    return form.reply_npz(store.diagnoses.npz(id))
+    """Return measured FRFs, those predicted before and after a diagnosis, the curve of an unknown effect."""
+    payload, diagnosis = store.diagnoses.npz(id), store.diagnoses.get(id)
+    if diagnosis.unknown is None:
+        return form.reply_npz(payload)
+    return form.reply_npz(pack(unpack(payload) | unknown_arrays(diagnosis.unknown, diagnosis.curves.freq)))
 
 
 @router.get("/{id}/report", response_class=HTMLResponse, summary="Get the report of a diagnosis")

@@ -1,7 +1,7 @@
 /** Controls of a front panel. */
 
 import type { ComponentChildren } from "preact";
-import { useEffect, useId, useState } from "preact/hooks";
+import { useId, useState } from "preact/hooks";
 import { words } from "../format";
 
 export function Group({ title, children }: { title: string; children: ComponentChildren }) {
@@ -25,17 +25,17 @@ interface NumberProps {
 
 export function NumberField({ label, unit, value, set, min = -Infinity, max = Infinity, whole }: NumberProps) {
   const id = useId();
-  const [text, setText] = useState(String(value));
-  useEffect(() => setText(String(value)), [value]);
+  // What has been typed stays as long as it means the value: `0.` on the way to 0.04 is 0.
+  const [typed, setTyped] = useState({ text: String(value), value });
+  const text = typed.value === value ? typed.text : String(value);
   const number = Number(text.replace(",", "."));
   const wrong = text.trim() === "" || !Number.isFinite(number) || number < min || number > max || (whole && !Number.isInteger(number));
   const read = (event: Event) => {
     const entered = (event.currentTarget as HTMLInputElement).value;
-    setText(entered);
     const parsed = Number(entered.replace(",", "."));
-    if (entered.trim() !== "" && Number.isFinite(parsed) && parsed >= min && parsed <= max) {
-      if (!whole || Number.isInteger(parsed)) set(parsed);
-    }
+    const right = entered.trim() !== "" && Number.isFinite(parsed) && parsed >= min && parsed <= max && (!whole || Number.isInteger(parsed));
+    setTyped({ text: entered, value: right ? parsed : value });
+    if (right) set(parsed);
   };
   return (
     <div class="field">
@@ -61,6 +61,41 @@ function allowed(min: number, max: number, whole?: boolean): string {
   const kind = whole ? "a whole number" : "a number";
   if (Number.isFinite(min) && Number.isFinite(max)) return `${kind} from ${min} to ${max}`;
   return Number.isFinite(min) ? `${kind} from ${min}` : kind;
+}
+
+interface TextProps {
+  label: string;
+  value: string;
+  set(value: string): void;
+}
+
+export function TextField({ label, value, set, kind = "text" }: TextProps & { kind?: "text" | "datetime-local" }) {
+  const id = useId();
+  return (
+    <div class="field text-field">
+      <label for={id}>{label}</label>
+      <span class="input"><input id={id} type={kind} autocomplete="off" value={value} onInput={(event) => set(event.currentTarget.value)} /></span>
+    </div>
+  );
+}
+
+export function TextArea({ label, value, set, rows }: TextProps & { rows: number }) {
+  const id = useId();
+  return (
+    <div class="area-field">
+      <label for={id}>{label}</label>
+      <textarea id={id} rows={rows} value={value} onInput={(event) => set(event.currentTarget.value)} />
+    </div>
+  );
+}
+
+export function CheckField({ label, checked, flip }: { label: string; checked: boolean; flip(): void }) {
+  return (
+    <label class="switch">
+      <input type="checkbox" role="switch" checked={checked} onChange={flip} />
+      <span>{label}</span>
+    </label>
+  );
 }
 
 interface SelectProps {

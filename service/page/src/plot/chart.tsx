@@ -5,6 +5,7 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { firstAtLeast, thin } from "../thin";
 import { onLightChange, resolve, rgb } from "./colour";
+import { decades, logTicks, tickText } from "./log-ticks";
 import { density, paint } from "./raster";
 
 export type Range = [number, number];
@@ -15,6 +16,8 @@ export interface Line {
   tone: string;
   dash?: number[];
   width?: number;
+  /** Its own lines, where they are not those of the plot; `y` are then its values nearest to the plot's. */
+  own?: { x: Float64Array; y: Float64Array };
 }
 
 export interface ChartProps {
@@ -96,11 +99,11 @@ function create(element: HTMLElement, latest: { current: ChartProps }): uPlot {
     padding: [8, 28, 0, 0],
     scales: {
       x: { time: false, min, max, auto: false },
-      y: { distr: log ? 3 : 1, range: (_u, low, high) => limits ?? margins(Math.max(low, floor ?? low), high, log) },
+      y: { distr: log ? 3 : 1, range: (u, low, high) => limits ?? margins(...withOwn(u, lines, [Math.max(low, floor ?? low), high], log), log) },
     },
     axes: [
       { ...axis, size: 30, gap: 4, values: (_u, values) => values.map((value, i) => (i === values.length - 1 ? `${value} Hz` : String(value))) },
-      { ...axis, size: 62, label: unit, labelSize: 18, labelFont: axis.font, labelGap: 0, grid: gridOf, ticks: { show: false }, values: (_u, values) => values.map((v) => tick(v, log)), ...(log && { filter: decades }) },
+      { ...axis, size: 62, label: unit, labelSize: 18, labelFont: axis.font, labelGap: 0, grid: gridOf, ticks: { show: false }, values: (_u, values) => values.map((v) => tickText(v, log)), ...(log && { filter: decades, splits: (_u, _axis, low, high) => logTicks(low, high) }) },
     ],
     series: [{}, ...(many ? [HIDDEN, HIDDEN] : lines.map(seriesOf))],
     cursor: {
@@ -127,6 +130,19 @@ function create(element: HTMLElement, latest: { current: ChartProps }): uPlot {
 
 const HIDDEN: uPlot.Series = { paths: () => null, points: { show: false } };
 
+/** Return the range of values with those of curves on lines of their own, as far as they are in sight. */
+function withOwn(u: uPlot, lines: Line[], [low, high]: Range, log?: boolean): Range {
+  for (const { own } of lines) {
+    if (!own) continue;
+    const end = firstAtLeast(own.x, u.scales.x.max!);
+    for (let i = firstAtLeast(own.x, u.scales.x.min!); i < end; i++) {
+      if (own.y[i] > high) high = own.y[i];
+      if (own.y[i] < low && !log) low = own.y[i];
+    }
+  }
+  return [low, high];
+}
+
 /** Return the highest and the lowest value of many curves line by line: all that the scales need of them. */
 function extremes(lines: Line[]): [Float64Array, Float64Array] {
   const [high, low] = [lines[0].y.slice(), lines[0].y.slice()];
@@ -145,13 +161,13 @@ function seriesOf(line: Line): uPlot.Series {
     width: line.width ?? 1.5,
     dash: line.dash,
     points: { show: false },
-    paths: (u, index) => ({ stroke: pathOf(u, line.y, u.series[index].scale ?? "y"), clip: undefined, band: undefined, gaps: undefined, flags: 0 }) as unknown as uPlot.Series.Paths,
+    paths: (u, index) => ({ stroke: pathOf(u, line, u.series[index].scale ?? "y"), clip: undefined, band: undefined, gaps: undefined, flags: 0 }) as unknown as uPlot.Series.Paths,
   };
 }
 
 /** Return the path of a curve, every peak in it, broken where a value is missing. */
-function pathOf(u: uPlot, y: Float64Array, scale: string): Path2D {
-  const x = u.data[0] as unknown as Float64Array;
+function pathOf(u: uPlot, line: Line, scale: string): Path2D {
+  const { x, y } = line.own ?? { x: u.data[0] as unknown as Float64Array, y: line.y };
   const path = new Path2D();
   const { min, max } = u.scales.x;
   let pen = false;
@@ -165,22 +181,29 @@ function pathOf(u: uPlot, y: Float64Array, scale: string): Path2D {
 
 function rasterLayer(lines: Line[], log: boolean): (u: uPlot) => void {
   // Once, not each frame: a logarithm of a million values takes longer than all the rest.
-  const levels = lines.map((line) => Float32Array.from(line.y, (value) => (log ? Math.log10(value) : value)));
+  const level = (value: number) => (log ? Math.log10(value) : value);
+  const groups = new Map<Float64Array | null, Float32Array[]>(); // by the frequencies that curves have in common
+  for (const { y, own } of lines) {
+    const [x, values] = own ? [own.x, own.y] : [null, y];
+    groups.set(x, [...(groups.get(x) ?? []), Float32Array.from(values, level)]);
+  }
   const layer = document.createElement("canvas");
   const colour = rgb("--ink");
   return (u) => {
     const { left, top, width, height } = u.bbox;
     if (width < 1 || height < 1) return;
-    const x = u.data[0] as unknown as Float64Array;
     const { min, max } = u.scales.x;
-    const level = (value: number) => (log ? Math.log10(value) : value);
     const window = { width, height, left: min!, right: max!, low: level(u.scales.y.min!), high: level(u.scales.y.max!) };
-    const begin = Math.max(0, firstAtLeast(x, min!) - 1);
-    const end = Math.min(x.length, firstAtLeast(x, max!) + 2);
     if (layer.width !== width || layer.height !== height) [layer.width, layer.height] = [width, height];
     const context = layer.getContext("2d")!;
     const image = context.createImageData(width, height);
-    paint(density(x, levels, window, begin, end), colour, image);
+    const counts = new Uint16Array(width * height);
+    for (const [own, levels] of groups) {
+      const x = own ?? (u.data[0] as unknown as Float64Array);
+      const begin = Math.max(0, firstAtLeast(x, min!) - 1);
+      density(x, levels, window, begin, Math.min(x.length, firstAtLeast(x, max!) + 2), counts);
+    }
+    paint(counts, colour, image);
     context.putImageData(image, 0, 0);
     u.ctx.drawImage(layer, left, top);
   };
@@ -272,22 +295,4 @@ function margins(low: number, high: number, log?: boolean): Range {
   }
   const space = 0.06 * (high - low || Math.abs(high) || 1);
   return [low - space, high + space];
-}
-
-/** Return the splits of a logarithmic axis that are powers of ten; all where there are hardly any. */
-function decades(_u: uPlot, splits: number[]): (number | null)[] {
-  const powers = splits.map((value) => (isPower(value) ? value : null));
-  return powers.filter((value) => value !== null).length > 1 ? powers : splits;
-}
-
-const isPower = (value: number) => Math.abs(Math.log10(value) - Math.round(Math.log10(value))) < 1e-6;
-
-const SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹";
-
-function tick(value: number | null, log?: boolean): string {
-  if (value === null) return "";
-  if (!log) return String(Number(value.toPrecision(6))).replace("-", "−");
-  if (!isPower(value)) return String(Number(value.toPrecision(2)));
-  const text = String(Math.round(Math.log10(value)));
-  return `10${[...text].map((c) => (c === "-" ? "⁻" : SUPERSCRIPTS[Number(c)])).join("")}`;
 }

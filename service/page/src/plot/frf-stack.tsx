@@ -2,10 +2,10 @@
 
 import { useMemo, useRef, useState } from "preact/hooks";
 import { short } from "../format";
-import { type Curve, type Frfs, type Representation, part, unitOf, withoutWraps } from "../frf";
+import { type Curve, type Frfs, type Representation, nearest, part, sameLines, unitOf, withoutWraps } from "../frf";
 import { Actions, csv, svgFile } from "../parts/actions";
 import { Choice } from "../parts/fields";
-import { Chart, type ChartProps, type Line, MANY, type Range, floorOf } from "./chart";
+import { Chart, type ChartProps, type Line, MANY, type Range, floorOf, fullRange } from "./chart";
 import { tone } from "./colour";
 import { Nyquist } from "./nyquist";
 import { Readout } from "./readout";
@@ -37,6 +37,7 @@ const REPRESENTATIONS: { value: Representation; text: string }[] = [
 interface Shown {
   label: string;
   curve: Curve;
+  freq: Float64Array;
   tone: string;
 }
 
@@ -51,9 +52,9 @@ export function FrfStack({ tests, python, bands, onBand, first = "magnitude" }: 
   const names = useMemo(() => main.curves.map(nameOf), [main]);
   const labels = chosen ?? names;
   const shown = useMemo(() => shownCurves(tests, labels), [tests, labels]);
-  const lines = useMemo(() => (representation === "nyquist" ? [] : shown.map((one) => lineOf(one, representation))), [shown, representation]);
+  const lines = useMemo(() => (representation === "nyquist" ? [] : shown.map((one) => lineOf(one, representation, main.freq))), [shown, representation]);
   const coherences = useMemo(
-    () => shown.filter(({ curve }) => curve.coherence).map(({ label, curve, tone: colour }) => ({ label, tone: colour, y: curve.coherence! })),
+    () => shown.filter(({ curve }) => curve.coherence).map((one) => onLines(one, one.curve.coherence!, main.freq)),
     [shown],
   );
   const floor = useMemo(() => floorOf(main.freq, lines.map((line) => line.y)), [lines]);
@@ -73,7 +74,7 @@ export function FrfStack({ tests, python, bands, onBand, first = "magnitude" }: 
         <ZoomBar freq={main.freq} range={range} setRange={setRange} />
       </div>
       {representation === "nyquist" ? (
-        <Nyquist svgRef={svg} freq={main.freq} range={range} unit={unitOf(main.kind)} curves={shown.slice(0, 24)} />
+        <Nyquist svgRef={svg} range={range ?? fullRange(main.freq)} unit={unitOf(main.kind)} curves={shown.slice(0, 24)} />
       ) : (
         <Chart {...common} title={`${representation} of ${lines.length} FRFs`} lines={lines} unit={unit} log={representation === "magnitude" && log} floor={representation === "magnitude" && log ? floor : undefined} limits={representation === "phase" ? [-190, 190] : undefined} height={340} onCursor={setCursor} />
       )}
@@ -81,6 +82,7 @@ export function FrfStack({ tests, python, bands, onBand, first = "magnitude" }: 
         <Chart {...common} title="Coherence" lines={coherences} unit="coherence" limits={[0, 1.04]} height={130} />
       )}
       {representation !== "nyquist" && <Readout freq={main.freq} index={cursor} values={valuesAt(lines, cursor)} />}
+      {tests.some((test) => test.frfs.kind !== main.kind) && <p class="notice">These tests are of different kinds of FRF: only those of one kind can be compared.</p>}
       {lines.length > MANY && <p class="hint">All {lines.length} curves are drawn; the darker, the more of them.</p>}
       {choice}
       <Actions
@@ -106,15 +108,22 @@ function shownCurves(tests: Test[], labels: string[]): Shown[] {
     const curves = test.frfs.curves.filter((curve) => wanted.has(nameOf(curve)));
     return curves.map((curve, i) => ({
       curve,
+      freq: test.frfs.freq,
       label: tests.length > 1 ? `${curve.output}, ${test.name}` : curve.output,
       tone: tests.length > 1 ? tone(t, tests.length) : tone(i, curves.length),
     }));
   });
 }
 
-function lineOf({ label, curve, tone: colour }: Shown, representation: Exclude<Representation, "nyquist">): Line {
-  const y = part(curve, representation);
-  return { label, tone: colour, y: representation === "phase" ? withoutWraps(y) : y };
+function lineOf(shown: Shown, representation: Exclude<Representation, "nyquist">, main: Float64Array): Line {
+  const y = part(shown.curve, representation);
+  return onLines(shown, representation === "phase" ? withoutWraps(y) : y, main);
+}
+
+/** Return a curve for a plot over the lines of the main test: drawn over its own, where those are others. */
+function onLines({ label, tone: colour, freq }: Shown, y: Float64Array, main: Float64Array): Line {
+  if (sameLines(freq, main)) return { label, tone: colour, y };
+  return { label, tone: colour, y: nearest(freq, y, main), own: { x: freq, y } };
 }
 
 /** Return the values at the cursor; of many curves the highest and the lowest. */
@@ -128,7 +137,8 @@ function valuesAt(lines: Line[], cursor: number | null) {
 
 function table(frfs: Frfs, shown: Shown[]): Record<string, ArrayLike<number>> {
   const columns: Record<string, ArrayLike<number>> = { "frequency, Hz": frfs.freq };
-  for (const { label, curve } of shown) {
+  for (const { label, curve, freq } of shown) {
+    if (!sameLines(freq, frfs.freq)) columns[`${label} frequency, Hz`] = freq;
     columns[`${label} real, ${unitOf(frfs.kind)}`] = curve.real;
     columns[`${label} imaginary, ${unitOf(frfs.kind)}`] = curve.imaginary;
     if (curve.coherence) columns[`${label} coherence`] = curve.coherence;

@@ -3,12 +3,10 @@
 import type { Curve } from "../frf";
 import { short } from "../format";
 import type { Range } from "./chart";
-import { tone } from "./colour";
 
 interface NyquistProps {
-  freq: Float64Array;
-  curves: { curve: Curve; label: string }[];
-  range: Range | null;
+  curves: { curve: Curve; label: string; freq: Float64Array; tone: string }[];
+  range: Range;
   unit: string;
   svgRef?: { current: SVGSVGElement | null };
 }
@@ -17,13 +15,12 @@ const SIZE = 460;
 const MARGIN = 52;
 const MOST = 3000; // lines of a curve; a window with more than this shows no circle anyway
 
-export function Nyquist({ freq, curves, range, unit, svgRef }: NyquistProps) {
-  const [low, high] = range ?? [freq[0], freq[freq.length - 1]];
-  const inside = [...freq.keys()].filter((i) => freq[i] >= low && freq[i] <= high);
-  const lines = inside.filter((_, k) => k % Math.ceil(inside.length / MOST) === 0);
+export function Nyquist({ curves, range, unit, svgRef }: NyquistProps) {
+  const [low, high] = range;
+  const inside = new Map([...new Set(curves.map(({ freq }) => freq))].map((freq) => [freq, linesBetween(freq, range)]));
   let [left, right, bottom, top] = [0, 0, 0, 0];
-  for (const { curve } of curves) {
-    for (const i of lines) {
+  for (const { curve, freq } of curves) {
+    for (const i of inside.get(freq)!) {
       left = Math.min(left, curve.real[i]);
       right = Math.max(right, curve.real[i]);
       bottom = Math.min(bottom, curve.imaginary[i]);
@@ -34,8 +31,8 @@ export function Nyquist({ freq, curves, range, unit, svgRef }: NyquistProps) {
   const scale = (SIZE - 2 * MARGIN) / extent;
   const px = (re: number) => MARGIN + (re - left) * scale + (SIZE - 2 * MARGIN - (right - left) * scale) / 2;
   const py = (im: number) => SIZE - MARGIN - (im - bottom) * scale - (SIZE - 2 * MARGIN - (top - bottom) * scale) / 2;
-  const path = (curve: Curve) => `M${lines.map((i) => `${px(curve.real[i]).toFixed(1)} ${py(curve.imaginary[i]).toFixed(1)}`).join("L")}`;
-  const few = lines.length * curves.length <= 400;
+  const path = (curve: Curve, lines: number[]) => `M${lines.map((i) => `${px(curve.real[i]).toFixed(1)} ${py(curve.imaginary[i]).toFixed(1)}`).join("L")}`;
+  const few = curves.reduce((sum, { freq }) => sum + inside.get(freq)!.length, 0) <= 400;
   return (
     <svg ref={svgRef} class="nyquist" viewBox={`0 0 ${SIZE} ${SIZE}`} role="img" aria-label={`Nyquist plot of ${curves.length} FRFs, ${short(low)} to ${short(high)} Hz`}>
       <g class="frame">
@@ -44,14 +41,23 @@ export function Nyquist({ freq, curves, range, unit, svgRef }: NyquistProps) {
         <text x={px(0) + 8} y={MARGIN / 2 + 4}>Im</text>
         <Scale length={extent} scale={scale} />
       </g>
-      {curves.map(({ curve, label }, i) => (
-        <g style={{ color: tone(i, curves.length) }}>
-          <path class="locus" d={lines.length ? path(curve) : ""}><title>{label}</title></path>
-          {few && lines.map((line) => <circle class="locus-dot" cx={px(curve.real[line])} cy={py(curve.imaginary[line])} r="2.6"><title>{`${label}, ${short(freq[line], 6)} Hz`}</title></circle>)}
-        </g>
-      ))}
+      {curves.map(({ curve, label, freq, tone }) => {
+        const lines = inside.get(freq)!;
+        return (
+          <g style={{ color: tone.startsWith("--") ? `var(${tone})` : tone }}>
+            <path class="locus" d={lines.length ? path(curve, lines) : ""}><title>{label}</title></path>
+            {few && lines.map((line) => <circle class="locus-dot" cx={px(curve.real[line])} cy={py(curve.imaginary[line])} r="2.6"><title>{`${label}, ${short(freq[line], 6)} Hz`}</title></circle>)}
+          </g>
+        );
+      })}
     </svg>
   );
+}
+
+/** Return the indices of the lines inside a range; of very many every second, third ... */
+function linesBetween(freq: Float64Array, [low, high]: Range): number[] {
+  const inside = [...freq.keys()].filter((i) => freq[i] >= low && freq[i] <= high);
+  return inside.filter((_, k) => k % Math.ceil(inside.length / MOST) === 0);
 }
 
 function Scale({ length, scale }: { length: number; scale: number }) {

@@ -13,10 +13,9 @@ export interface Window {
   high: number;
 }
 
-/** Return how many curves pass each pixel, row by row from the top; `x` ascends. */
-export function density(x: ArrayLike<number>, curves: ArrayLike<number>[], window: Window, begin: number, end: number): Uint16Array {
+/** Return how many curves pass each pixel, row by row from the top, added to `counts`; `x` ascends. */
+export function density(x: ArrayLike<number>, curves: ArrayLike<number>[], window: Window, begin: number, end: number, counts = new Uint16Array(window.width * window.height)): Uint16Array {
   const { width, height } = window;
-  const counts = new Uint16Array(width * height);
   const toColumn = width / (window.right - window.left);
   const toRow = (height - 1) / (window.high - window.low);
   const columns = new Float64Array(end - begin);

@@ -2,7 +2,7 @@
 
 import { useCallback, useState } from "preact/hooks";
 import { arrays } from "../api";
-import { placeText, words } from "../format";
+import { placeText, short, words } from "../format";
 import { type Diagnosis, diagnosis, structure } from "../model";
 import { Actions } from "../parts/actions";
 import { DropZone } from "../parts/dropzone";
@@ -13,10 +13,11 @@ import { type State, go } from "../state";
 import { asProblem, useLoaded, useWork } from "../use";
 import type { Range } from "../plot/chart";
 import { Comparison } from "./comparison";
-import { CandidateTable, GapByStep, StepList } from "./findings";
+import { CandidateTable, GapByStep, RivalTable, StepList } from "./findings";
 import { ImportZone } from "./import-zone";
 import { factsOf, loadTest } from "./measure";
 import { fromFile } from "./structure-panel";
+import { UnknownEffect } from "./unknown";
 
 const TOLERANCES = [
   { value: "none", text: "nothing" },
@@ -43,6 +44,10 @@ export function DiagnoseView({ state }: { state: State }) {
   };
   const ready = state.s !== undefined && test !== undefined;
   const start = (more = {}) => work.start("/diagnoses", { ...request, ...more });
+  const goOn = (structureId: string) => {
+    go({ s: structureId, d: undefined });
+    start({ structure_id: structureId });
+  };
   return (
     <div class="bench">
       <section class="stage" aria-labelledby="diagnose-title">
@@ -53,7 +58,7 @@ export function DiagnoseView({ state }: { state: State }) {
         <WorkNote work={work} what="diagnosis" />
         {found.problem && <ProblemNote problem={found.problem} again={() => go({ d: undefined })} />}
         {found.loading && <Loading what="the diagnosis" />}
-        {found.value && <Finding result={found.value[0]} curves={found.value[1]} python={() => pythonOf(request)} next={() => start({ act: true })} busy={work.busy} />}
+        {found.value && <Finding result={found.value[0]} curves={found.value[1]} python={() => pythonOf(request)} next={() => start({ act: true })} goOn={goOn} busy={work.busy} />}
         {!state.d && !work.busy && (
           <Empty title={ready ? "Not diagnosed yet" : "A model and a test are needed"}>
             <p>{ready ? "The test is compared with what the model predicts, and every known effect is tried." : "Measure one in steps 1 and 2, or drop your own files."}</p>
@@ -104,25 +109,27 @@ interface FindingProps {
   curves: Parameters<typeof Comparison>[0]["curves"];
   python: () => string;
   next(): void;
+  goOn(structureId: string): void;
   busy: boolean;
 }
 
-function Finding({ result, curves, python, next, busy }: FindingProps) {
+function Finding({ result, curves, python, next, goOn, busy }: FindingProps) {
   return (
     <>
       <p class={`verdict ${result.verdict}`}>{result.headline}</p>
       {result.steps.length > 0 && <StepList steps={result.steps} />}
+      {result.follow_ups.length > 0 && <p class="hint">{`Explained together with ${result.follow_ups.map((test) => `a test with ${changeWords(test.changed)}`).join(" and ")}.`}</p>}
       <GapByStep result={result} />
+      {result.unknown && <UnknownEffect key={result.id} result={result} unknown={result.unknown} curves={curves} goOn={goOn} />}
       <Comparison curves={curves} located={result.located.bands as Range[]} />
-      {result.candidates.length > 0 && <CandidateTable candidates={result.candidates} />}
-      {result.next_test && (
-        <div class="notice">
-          <p>
-            <b>Next test.</b> {changesOf(result.next_test.change)}: {result.next_test.why}.
-          </p>
-          <button type="button" disabled={busy} onClick={next}>Run it and diagnose again</button>
-        </div>
+      <RivalTable steps={result.steps} />
+      {result.candidates.length > 0 && (
+        <details open={!result.steps.length}>
+          <summary>What was tried first <span class="count">{result.candidates.length}</span></summary>
+          <CandidateTable candidates={result.candidates} />
+        </details>
       )}
+      {result.next_test && <NextTest test={result.next_test} run={next} busy={busy} />}
       {result.located.words.length > 0 && (
         <details>
           <summary>Where they part</summary>
@@ -150,9 +157,23 @@ function Finding({ result, curves, python, next, busy }: FindingProps) {
   );
 }
 
-function changesOf(change: Record<string, unknown>): string {
-  const parts = Object.entries(change).map(([name, value]) => `${words(name)} ${brief(value)}`);
-  return `Measure again with ${parts.join(", ") || "no change"}`;
+function NextTest({ test, run, busy }: { test: NonNullable<Diagnosis["next_test"]>; run(): void; busy: boolean }) {
+  const separated = test.separates.map(words).join(" from ");
+  return (
+    <div class="notice">
+      <p>
+        <b>Next test.</b> Measure again with {changeWords(test.change)}: {test.why}.
+        {separated && ` It tells ${separated}`}
+        {separated && test.expected_separation !== null && `, by ${short(test.expected_separation, 2)} standard deviations`}
+        {separated && "."}
+      </p>
+      <button type="button" disabled={busy} onClick={run}>Run it and diagnose again</button>
+    </div>
+  );
+}
+
+function changeWords(change: Record<string, unknown>): string {
+  return Object.entries(change).map(([name, value]) => `${words(name)} ${brief(value)}`).join(", ") || "no change";
 }
 
 function pythonOf(request: Record<string, unknown>): string {

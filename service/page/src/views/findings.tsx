@@ -41,32 +41,75 @@ export function StepList({ steps }: { steps: Step[] }) {
 interface Bar {
   label: string;
   gap: number;
+  /** Without what was found. */
+  before?: boolean;
+  /** Of FRFs that were kept out of every fit. */
+  keptOut?: boolean;
+  words?: string;
 }
 
 /** Bars on a logarithmic scale that begins at 1, where only random error is left. */
-export function GapByStep({ result }: { result: Diagnosis }) {
-  const first = result.steps[0]?.gap_before ?? result.remaining_gap;
-  const bars: Bar[] = [
-    { label: "model and log book", gap: first },
-    ...result.steps.map((step) => ({ label: `+ ${words(step.effect.kind)}`, gap: step.gap_after })),
-  ];
-  const decades = Math.max(1, Math.log10(Math.max(...bars.map((bar) => bar.gap))));
+export function GapBars({ caption, bars, most }: { caption: string; bars: Bar[]; most: number }) {
+  const decades = Math.max(1, Math.log10(most));
   const share = (gap: number) => Math.max(0.005, Math.log10(Math.max(gap, 1)) / decades);
   return (
     <figure class="gaps">
-      <figcaption class="hint">Gap by step, on a logarithmic scale from 1: mean squared residual over its random variance. At 1 only random error is left.</figcaption>
+      <figcaption class="hint">{caption}</figcaption>
       <dl>
-        {bars.map((bar, i) => (
-          <div class={i === 0 ? "gap before" : "gap"}>
+        {bars.map((bar) => (
+          <div class={`gap${bar.before ? " before" : ""}${bar.keptOut ? " kept-out" : ""}`}>
             <dt>{bar.label}</dt>
             <dd>
-              <i style={{ width: `${(78 * share(bar.gap)).toFixed(1)}%` }} />
-              {short(bar.gap, 3)}
+              <i style={{ width: `${(72 * share(bar.gap)).toFixed(1)}%` }} />
+              {bar.words ?? short(bar.gap, 3)}
             </dd>
           </div>
         ))}
       </dl>
     </figure>
+  );
+}
+
+export function GapByStep({ result: { steps, remaining_gap: remaining } }: { result: Diagnosis }) {
+  const keptOut = (gap: number | null | undefined, before = false): Bar[] =>
+    gap === null || gap === undefined ? [] : [{ label: "FRFs kept out", gap, before, keptOut: true }];
+  const bars: Bar[] = [
+    { label: "model and log book", gap: steps[0]?.gap_before ?? remaining, before: true },
+    ...keptOut(steps[0]?.held_out_gap_before, true),
+    ...steps.flatMap((step) => [{ label: `+ ${words(step.effect.kind)}`, gap: step.gap_after }, ...keptOut(step.held_out_gap_after)]),
+  ];
+  const caption = "Gap by step, on a logarithmic scale from 1: mean squared residual over its random variance. At 1 only random error is left.";
+  return <GapBars caption={caption} bars={bars} most={Math.max(...bars.map((bar) => bar.gap))} />;
+}
+
+/** Rivals of each named effect: what else was compared with it, how probable that is, and what it leaves. */
+export function RivalTable({ steps }: { steps: Step[] }) {
+  const rows = steps.flatMap((step) => step.rivals.map((rival) => ({ step, rival })));
+  if (!rows.length) return null;
+  return (
+    <div class="scroll" tabIndex={0} role="region" aria-label="Table of rivals">
+      <table>
+        <caption>Rivals of what was named</caption>
+        <thead>
+          <tr>
+            <th scope="col" class="text">In place of</th>
+            <th scope="col" class="text">Rival</th>
+            <th scope="col">Probability</th>
+            <th scope="col">Gap left</th>
+          </tr>
+        </thead>
+        <tbody>
+          {rows.slice(0, 12).map(({ step, rival }) => (
+            <tr>
+              <td class="text">{`${words(step.effect.kind)} ${placeText(step.effect.at)}`}</td>
+              <td class="text">{`${words(rival.kind)} ${placeText(rival.at)}`}</td>
+              <td>{percent(rival.probability)}</td>
+              <td>{short(rival.gap_after, 3)}</td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
   );
 }
 

@@ -1,10 +1,10 @@
 /** Table of modes with their spread, and the shape of the chosen one. */
 
-import { useMemo, useRef, useState } from "preact/hooks";
+import { useMemo, useRef } from "preact/hooks";
 import { arrays as fetchArrays } from "../api";
 import { ShapeDrawing } from "../draw/shape";
 import { short, withError } from "../format";
-import { type Geometry, type ModalModel, type Mode, geometry } from "../model";
+import { type Geometry, type ModalModel, type Mode, type Spread, geometry } from "../model";
 import type { Arrays } from "../npz";
 import { Actions, csv, svgFile } from "../parts/actions";
 import { type Shape, mac, normalised, scaledTo, shapeOf } from "../shape";
@@ -14,24 +14,26 @@ interface PanelProps {
   model: ModalModel;
   shapes: Arrays;
   structureId?: string;
+  chosen: number;
+  setChosen(index: number): void;
   python: () => string;
 }
 
-export function ModePanel({ model, shapes, structureId, python }: PanelProps) {
-  const [chosen, setChosen] = useState(0);
+export function ModePanel({ model, shapes, structureId, chosen, setChosen, python }: PanelProps) {
   const svg = useRef<SVGSVGElement>(null);
   const loaded = useLoaded(structureId ? `shapes/${structureId}` : null, () => loadStructure(structureId!));
   const measured = useMemo(() => (model.modes[chosen] ? normalised(shapeOf(shapes, chosen)) : null), [shapes, chosen]);
   const partner = useMemo(() => loaded.value && measured && bestPartner(measured, loaded.value.modes), [loaded.value, measured]);
   if (!model.modes.length) return null;
-  const fits = loaded.value && measured!.dofs.some((dof) => loaded.value!.shape.dofs.includes(dof.replace(":-", ":+")));
+  if (!measured) return null;
+  const fits = loaded.value && measured.dofs.some((dof) => loaded.value!.shape.dofs.includes(dof.replace(":-", ":+")));
   const matched = partner && partner.mac > 0.3 ? partner : null;
   const words = `Mode ${chosen + 1}, ${short(model.modes[chosen].frequency)} Hz`;
   return (
     <>
       {fits && (
         <div class="shape-block">
-          <ShapeDrawing svgRef={svg} geometry={loaded.value!.shape} measured={measured} model={matched && scaledTo(measured!, matched.shape)} label={`${words}, measured shape${matched ? " and the model's" : ""}`} />
+          <ShapeDrawing svgRef={svg} geometry={loaded.value!.shape} measured={measured} model={matched && scaledTo(measured, matched.shape)} label={`${words}, measured shape${matched ? " and the model's" : ""}`} />
           <p class="shape-words">
             <b>{words}</b>
             <span class="inline"><span class="swatch sensor" /> measured</span>
@@ -74,9 +76,9 @@ function ModeTable({ modes, chosen, choose }: { modes: Mode[]; chosen: number; c
             <tr class={i === chosen ? "pick chosen" : "pick"} onClick={() => choose(i)}>
               <td><button type="button" class="pick-button" aria-pressed={i === chosen} aria-label={`Show mode ${i + 1}`} onClick={() => choose(i)}>{i + 1}</button></td>
               <td>{withError(mode.frequency, mode.standard_errors.frequency)}</td>
-              <td>{mode.frequency_spread ? `± ${short(mode.frequency_spread.sd, 2)}` : "–"}</td>
+              <td><SpreadOf spread={mode.frequency_spread} /></td>
               <td>{withError(mode.loss_factor, mode.standard_errors.loss_factor)}</td>
-              <td>{mode.loss_factor_spread ? `± ${short(mode.loss_factor_spread.sd, 2)}` : "–"}</td>
+              <td><SpreadOf spread={mode.loss_factor_spread} /></td>
               <td>{mode.frequency_spread?.n ?? "–"}</td>
               <td class="text">{mode.flags.join("; ") || <span class="hint">none</span>}</td>
             </tr>
@@ -87,6 +89,11 @@ function ModeTable({ modes, chosen, choose }: { modes: Mode[]; chosen: number; c
   );
 }
 
+function SpreadOf({ spread }: { spread: Spread | null }) {
+  if (!spread) return <>–</>;
+  return <span title={`${short(spread.min, 6)} to ${short(spread.max, 6)}`}>± {short(spread.sd, 2)}</span>;
+}
+
 function tableOf(modes: Mode[]): Record<string, (number | string | null)[]> {
   return {
     mode: modes.map((_, i) => i + 1),
@@ -94,8 +101,14 @@ function tableOf(modes: Mode[]): Record<string, (number | string | null)[]> {
     "standard error, Hz": modes.map((mode) => mode.standard_errors.frequency ?? null),
     "loss factor": modes.map((mode) => mode.loss_factor),
     "standard error": modes.map((mode) => mode.standard_errors.loss_factor ?? null),
+    ...Object.assign({}, ...(["frequency_spread", "loss_factor_spread"] as const).map((name) => spreadColumns(modes, name))),
     flags: modes.map((mode) => mode.flags.join("; ")),
   };
+}
+
+function spreadColumns(modes: Mode[], name: "frequency_spread" | "loss_factor_spread") {
+  const of = (key: keyof Spread) => modes.map((mode) => mode[name]?.[key] ?? null);
+  return Object.fromEntries((["min", "max", "mean", "sd", "n"] as const).map((key) => [`${name} ${key}`, of(key)]));
 }
 
 interface ModelMode {

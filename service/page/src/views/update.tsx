@@ -9,6 +9,7 @@ import { Actions, csv, svgFile } from "../parts/actions";
 import { Choice } from "../parts/fields";
 import { go } from "../state";
 import { useLoaded } from "../use";
+import { type Iteration, Iterations } from "./iterations";
 
 type ByMember = Record<string, number>;
 
@@ -23,6 +24,7 @@ export interface Update {
   stopped_because: string;
   identifiability: { directions: { words: string }[] } | null;
   structure_id: string;
+  history?: Iteration[];
 }
 
 export function UpdateResult({ update, structureId, python }: { update: Update; structureId: string; python: () => string }) {
@@ -43,6 +45,7 @@ export function UpdateResult({ update, structureId, python }: { update: Update; 
       </div>
       {shape.value && <Coloured svgRef={drawn} geometry={shape.value} coefficients={coefficients} label={`${part} coefficients on the structure`} />}
       <Bars coefficients={coefficients} errors={update.standard_errors?.[part] ?? {}} suspected={suspected} part={part} />
+      <Iterations history={update.history ?? []} part={part} suspected={suspected} />
       <Actions
         python={python}
         downloads={[

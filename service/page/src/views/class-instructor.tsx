@@ -1,0 +1,113 @@
+/** An instructor's classes: keys are handed out, assignments made and watched. */
+
+import { useState } from "preact/hooks";
+import { file } from "../api";
+import { type Assignment, type ClassEntry, assignments, classes, createClass, marksOf, namesOf, timeText } from "../class";
+import { save } from "../parts/actions";
+import { Group, SelectField, TextArea, TextField } from "../parts/fields";
+import { Empty, Loading, ProblemNote } from "../parts/notes";
+import { type State, go } from "../state";
+import { asProblem, usePolled } from "../use";
+import { AssignmentForm } from "./assignment-form";
+import { MarksTable } from "./marks";
+
+const WATCHED = 5000; // ms between two looks at the table
+
+export function InstructorView({ state }: { state: State }) {
+  const mine = usePolled("classes", classes);
+  const made = usePolled("assignments", assignments);
+  const entered = mine.value?.find((one) => one.id === state.c) ?? mine.value?.[0];
+  const ofClass = made.value?.filter((one) => one.class_id === entered?.id) ?? [];
+  const current = ofClass.find((one) => one.id === state.a) ?? ofClass[0];
+  return (
+    <div class="bench">
+      <section class="stage" aria-labelledby="class-title">
+        <div class="stage-head">
+          <h1 id="class-title">{entered?.name ?? "Class"}</h1>
+        </div>
+        {mine.problem && <ProblemNote problem={mine.problem} again={mine.again} />}
+        {mine.loading && <Loading what="the classes" />}
+        {mine.value && !entered && <Empty title="No class yet"><p>Create one: each name gets a key, which its student signs in with.</p></Empty>}
+        {ofClass.length > 1 && current && (
+          <div class="toolbar"><SelectField label="Assignment" value={current.id} set={(id) => go({ a: id })} options={ofClass.map((one) => ({ value: one.id, text: one.title }))} /></div>
+        )}
+        {current && <Watched key={current.id} assignment={current} />}
+        {entered && <AssignmentForm key={entered.id} state={state} classId={entered.id} open={!current} made={(assignment) => { made.again(); go({ a: assignment.id }); }} />}
+      </section>
+      <aside class="panel" aria-label="Classes">
+        {mine.value && mine.value.length > 1 && (
+          <Group title="Class"><SelectField label="Name" value={entered!.id} set={(id) => go({ c: id, a: undefined })} options={mine.value.map((one) => ({ value: one.id, text: one.name }))} /></Group>
+        )}
+        {entered && <KeysOf key={entered.id} entered={entered} />}
+        <NewClass made={(id) => { mine.again(); go({ c: id, a: undefined }); }} />
+      </aside>
+    </div>
+  );
+}
+
+function Watched({ assignment }: { assignment: Assignment }) {
+  const rows = usePolled(`marks/${assignment.id}`, () => marksOf(assignment.id), WATCHED);
+  return (
+    <section class="watched" aria-labelledby="watched-title">
+      <h2 id="watched-title">{assignment.title}</h2>
+      <p class="hint">{assignment.deadline ? `Until ${timeText(assignment.deadline)}.` : "No deadline."} {assignment.reveal ? `Revealed ${timeText(assignment.reveal)}.` : ""}</p>
+      {rows.problem && <ProblemNote problem={rows.problem} again={rows.again} />}
+      {rows.value && <MarksTable assignment={assignment} rows={rows.value} />}
+    </section>
+  );
+}
+
+function NewClass({ made }: { made(id: string): void }) {
+  const [name, setName] = useState("");
+  const [problem, setProblem] = useState<ReturnType<typeof asProblem> | null>(null);
+  const create = () =>
+    createClass(name.trim()).then(
+      (entry) => {
+        setName("");
+        setProblem(null);
+        made(entry.id);
+      },
+      (error) => setProblem(asProblem(error)),
+    );
+  return (
+    <Group title="New class">
+      <TextField label="Name of the class" value={name} set={setName} />
+      <button type="button" class="wide" disabled={!name.trim()} onClick={create}>Create the class</button>
+      {problem && <ProblemNote problem={problem} />}
+    </Group>
+  );
+}
+
+/** Keys are told once: they go into a file and never into the page. */
+function KeysOf({ entered }: { entered: ClassEntry }) {
+  const [text, setText] = useState("");
+  const [keys, setKeys] = useState<Blob | null>(null);
+  const [count, setCount] = useState(0);
+  const [problem, setProblem] = useState<ReturnType<typeof asProblem> | null>(null);
+  const names = namesOf(text);
+  const handOut = async () => {
+    try {
+      const table = await file(`/classes/${entered.id}/members`, "text/csv", { names });
+      setProblem(null);
+      setKeys(table);
+      setCount(names.length);
+      setText("");
+      save(table, "keys.csv");
+    } catch (error) {
+      setProblem(asProblem(error));
+    }
+  };
+  return (
+    <Group title="Keys">
+      <TextArea label="Names, one a line" value={text} set={setText} rows={4} />
+      <button type="button" class="wide" disabled={!names.length} onClick={handOut}>Make {names.length || ""} keys</button>
+      {keys && (
+        <>
+          <p class="hint" role="status">{count} keys are in keys.csv. They are told once: keep the file.</p>
+          <button type="button" class="wide" onClick={() => save(keys, "keys.csv")}>Save keys.csv again</button>
+        </>
+      )}
+      {problem && <ProblemNote problem={problem} />}
+    </Group>
+  );
+}

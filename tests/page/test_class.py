@@ -1,0 +1,43 @@
+"""A whole class in a browser: sealed for three students, who measure, extract, answer and get marks."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from tests.page.conftest import Walk, check_step, service_with_key
+
+STEPS = ("keys", "assignment", "student one", "student two", "student three", "marks")
+
+
+@pytest.fixture(scope="module")
+def steps(walk: Walk, tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Any]]:
+    """What the script says of each step."""
+    with service_with_key(tmp_path_factory.mktemp("class"), "Lecturer", "instructor") as (address, key):
+        yield walk("class.mjs", address, KEY=key)
+
+
+@pytest.mark.parametrize("name", STEPS)
+def test_a_step_of_a_class(steps: dict[str, Any], name: str) -> None:
+    """The script looks, too, whether axe-core finds a serious violation, and at the width of a phone."""
+    check_step(steps, name)
+
+
+@pytest.mark.parametrize(
+    ("name", "points", "reason"),
+    [
+        ("student one", "Marks: 5 of 5 points", "extra_mass at 9:+Y: the place is right."),
+        ("student two", "Marks: 3 of 5 points", "extra_mass at 13:+Y: the place is not right."),
+        ("student three", "Marks: 0 of 5 points", "ground_spring at 9:+Y: this kind is not right."),
+    ],
+)
+def test_marks_have_their_reasons(steps: dict[str, Any], name: str, points: str, reason: str) -> None:
+    """The hidden mass is 0.045 to 0.055 kg, and the page proposes 0.05: within the 20 % of the form."""
+    assert steps[name]["points"] == points
+    assert reason in steps[name]["reasons"]
+
+
+def test_the_instructor_has_the_marks_of_all(steps: dict[str, Any]) -> None:
+    head, *rows = steps["marks"]["table"]
+    assert head.startswith("name,student,measurements,submitted")
+    assert len(rows) == len(steps["marks"]["rows"]) == 3
