@@ -178,6 +178,9 @@ class ClassMarks:
     """One row a student."""
 
 
+Lane = Literal["short", "long"]
+
+
 JobState = Literal["queued", "running", "succeeded", "failed", "cancelled"]
 
 
@@ -195,12 +198,14 @@ class JobStatus(JobStatusMethods):
     """1, share of the work that is done, 0 to 1."""
     id: str
     """Id of the job."""
+    lane: Lane
+    """Part of the queue, by the estimated duration of the job."""
     message: str
     """Step under way."""
     owner: str
     """Owner of the job and of its result."""
     place: int | None
-    """1, place in the queue, 1 for the next; null: the job does not wait."""
+    """1, place in its lane of the queue, 1 for the next; null: the job does not wait."""
     result_id: str | None
     """Id of the result; null until the job has succeeded."""
     started: str | None
