@@ -34,10 +34,10 @@ def test_the_lines_of_the_guide_run_as_they_stand(tmp_path: Path) -> None:
             (member,) = lab.classes.add_members(course, ["First Student"])
             assert [key.name for key in lab.keys.list()] == ["First Student", "instructor"]
         names = {"URL": url, "LECTURER": lecturer, "STUDENT": member.key, "CLASS": course.id}
-        script = "\n".join([*(f"{name} = {value!r}" for name, value in names.items()), *BLOCKS])
         run = subprocess.run(
-            [sys.executable, "-c", script],
+            [sys.executable, "-c", "\n".join(BLOCKS)],
             cwd=tmp_path,
+            env=os.environ | names,
             capture_output=True,
             text=True,
             check=False,

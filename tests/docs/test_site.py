@@ -73,7 +73,7 @@ def test_no_page_loads_anything_from_another_host(site: dict[Path, Links]) -> No
 
 def test_the_client_and_the_requests_are_described(site: dict[Path, Links]) -> None:
     by_name = {"/".join(path.parts[-2:]): page for path, page in site.items()}
-    client = next(page for path, page in site.items() if path.name == "client.html")
+    client = next(page for path, page in site.items() if path.name == "client-reference.html")
     for name in ("Measurements.start", "ModalModels.start", "Diagnoses.start"):
         assert any(anchor.endswith(name) for anchor in client.anchors), name
     for methods in DOCUMENT["paths"].values():

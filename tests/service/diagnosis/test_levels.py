@@ -43,7 +43,7 @@ def test_three_times_the_level_separates_a_cubic_from_a_spring_fitted_to_the_sam
     first = frfs_only(setup, CUBIC)
     (spring,) = fit(first, [GroundSpring(HERE, 30.0)]).effects
     (cubic,) = fit(first, [replace(CUBIC, stiffness=0.7 * CUBIC.stiffness)]).effects
-    assert apart(setup, CUBIC, GroundSpring(HERE, 1e-6)) > 10, "the cubic hardly shows: nothing was shown"
+    assert apart(setup, CUBIC, GroundSpring(HERE, 1e-6)) > 8, "the cubic hardly shows: nothing was shown"
     # At one level a measurement prefers neither: three standard deviations are what chance does.
     assert apart(setup, CUBIC, spring) < 3
     assert apart(setup, CUBIC, cubic) < 3

@@ -6,7 +6,6 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from fastapi import Query
 from numpy.typing import NDArray
-from scipy.io import wavfile
 
 from modallab.api import array_tables
 from modallab.api.files import WAV_TYPE
@@ -63,6 +62,8 @@ def wav_file(records: TimeRecords) -> bytes:
     InvalidInputError
         If the sample rate is no whole number of Hz, as that of a wav file is.
     """
+    from scipy.io import wavfile  # only such a request needs it
+
     rate = round(records.sample_rate)
     if not np.isclose(rate, records.sample_rate, rtol=1e-9, atol=0):
         raise InvalidInputError(

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtr, ndtri
 
 from modallab.core.arrays import BoolArray, FloatArray, IntArray
 from modallab.core.dof import Dof
@@ -109,10 +109,10 @@ class Nuisances:
         Sidak, Journal of the American Statistical Association 62 (1967), 626.
         """
         limits = np.full(len(self.parameters), NUISANCE.max_deviation)
-        inside = 1 - 2 * norm.sf(NUISANCE.max_deviation)
+        inside = 1 - 2 * ndtr(-NUISANCE.max_deviation)
         for name in {each.name for each in self.parameters if each.mode or each.shape is not None}:
             alike = self.indices_of(name)
-            limits[alike] = norm.isf((1 - inside ** (1 / len(alike))) / 2)
+            limits[alike] = -ndtri((1 - inside ** (1 / len(alike))) / 2)
         return limits
 
     @property
