@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab_client import _frf_plots, _plots, _tables
+from modallab_client import _plots, _tables
+from modallab_client._frf_plots import FrfPictures
 from modallab_client._shapes import ShapePictures
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ class ModeShapes(ShapePictures):
 
 
 @dataclass(frozen=True, eq=False)
-class Frf:
+class Frf(FrfPictures):
     """FRFs that are made, not measured: exact ones of a structure, or those of modes."""
 
     freq: FloatArray
@@ -87,40 +88,3 @@ class Frf:
             If there is no such response, or the measured FRFs are of another kind.
         """
         return _plots.frf(self, measured, output)
-
-    def plot_bode(self, output: str | None = None, drive: str | None = None) -> "tuple[Axes, Axes]":
-        """Draw magnitude over phase of one FRF, the first by default; return both axes.
-
-        Raises
-        ------
-        MissingExtraError
-            If matplotlib is not installed.
-        ValueError
-            If there is no such response or force.
-        """
-        return _frf_plots.bode(self, output, drive)
-
-    def plot_nyquist(
-        self,
-        output: str | None = None,
-        drive: str | None = None,
-        *,
-        band: tuple[float, float] | None = None,
-    ) -> "Axes":
-        """Draw one FRF, the first by default, in the complex plane; return the axes.
-
-        Parameters
-        ----------
-        output, drive
-            Response and force.
-        band
-            Hz, lowest and highest line drawn; by default all lines.
-
-        Raises
-        ------
-        MissingExtraError
-            If matplotlib is not installed.
-        ValueError
-            If there is no such response or force.
-        """
-        return _frf_plots.nyquist(self, output, drive, band)

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab_client import _frames, _frf_plots, _plots, _tables
+from modallab_client import _frames, _plots, _tables
+from modallab_client._frf_plots import FrfPictures
 from modallab_client._read import read_as
 from modallab_client.models import ComplexArray, FloatArray
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class MeasurementMethods:
+class MeasurementMethods(FrfPictures):
     """FRFs, coherence and auto spectra, a table and a picture."""
 
     freq: FloatArray = field(repr=False)
@@ -58,43 +59,6 @@ class MeasurementMethods:
             If matplotlib is not installed.
         """
         return _plots.measurement(cast("Measurement", self))
-
-    def plot_bode(self, output: str | None = None, drive: str | None = None) -> "tuple[Axes, Axes]":
-        """Draw magnitude over phase of one FRF, the first by default; return both axes.
-
-        Raises
-        ------
-        MissingExtraError
-            If matplotlib is not installed.
-        ValueError
-            If there is no such response or force.
-        """
-        return _frf_plots.bode(cast("Measurement", self), output, drive)
-
-    def plot_nyquist(
-        self,
-        output: str | None = None,
-        drive: str | None = None,
-        *,
-        band: tuple[float, float] | None = None,
-    ) -> "Axes":
-        """Draw one FRF, the first by default, in the complex plane; return the axes.
-
-        Parameters
-        ----------
-        output, drive
-            Response and force.
-        band
-            Hz, lowest and highest line drawn; by default all lines.
-
-        Raises
-        ------
-        MissingExtraError
-            If matplotlib is not installed.
-        ValueError
-            If there is no such response or force.
-        """
-        return _frf_plots.nyquist(cast("Measurement", self), output, drive, band)
 
     def to_xarray(self) -> Any:
         """Return an `xarray.Dataset` of FRFs, coherence and auto spectra by `freq`, `output` and `input`.

@@ -2,7 +2,7 @@
 
 import csv
 import io
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Annotated, Any
 
 from fastapi import Depends, Request
@@ -55,3 +55,10 @@ def csv_reply(columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> Resp
     writer.writeheader()
     writer.writerows(rows)
     return Response(text.getvalue(), media_type=CSV_TYPE, headers={"Vary": "Accept"})
+
+
+def csv_or(
+    reply: Callable[[], Any], columns: Sequence[str], rows: Iterable[Mapping[str, Any]], *, as_csv: bool
+) -> Any:
+    """Return rows as a CSV reply if that is wanted, or else what a function makes of them."""
+    return csv_reply(columns, rows) if as_csv else reply()

@@ -26,7 +26,7 @@ from modallab.api.deps import IdPath, JobsDep, RequestKeyDep, SettingsDep, Store
 from modallab.api.examples import example
 from modallab.api.jobs import JobReply, job_reply
 from modallab.api.keys import KeysDep
-from modallab.api.media import CsvWanted, csv_replies, csv_reply
+from modallab.api.media import CsvWanted, csv_or, csv_replies
 from modallab.assignments.marking import marked
 from modallab.core.errors import ModalLabError
 from modallab.jobs.durations import duration_of_stepped_measurement
@@ -208,7 +208,7 @@ def get_marks(id: IdPath, assignments: AssignmentsDep, keys: KeysDep, key: KeyDe
     """Return the marks of the class to its instructor, and to a student the own ones: JSON or CSV."""
     stored = assignments.get(id, viewer=key.viewer)
     rows = _rows(assignments, keys, stored, key)
-    return csv_reply(MARK_COLUMNS, map(mark_row, rows)) if as_csv else ClassMarks(items=rows)
+    return csv_or(lambda: ClassMarks(items=rows), MARK_COLUMNS, map(mark_row, rows), as_csv=as_csv)
 
 
 def _rows(

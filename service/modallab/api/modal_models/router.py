@@ -12,7 +12,7 @@ from modallab.api.examples import example
 from modallab.api.files import FILE, UFF, FormRoute, origin, uff_reply
 from modallab.api.jobs import JobReply, job_reply
 from modallab.api.kinds import KindWanted, measured_as
-from modallab.api.media import CsvWanted, csv_replies, csv_reply
+from modallab.api.media import CsvWanted, csv_or, csv_replies
 from modallab.api.modal_models.fits import (
     MODE,
     REFERENCE,
@@ -154,9 +154,13 @@ def select_from_modal_model(
 def get_modal_model(id: IdPath, store: StoreDep, as_csv: CsvWanted, details: DETAILS) -> Any:
     """Return the modes of a modal model without their shapes."""
     model = store.modal_models.get(id)
-    if as_csv:
-        return csv_reply(COLUMNS, mode_rows(model, details))
-    return modal_model_reply(model, store.modal_models.entry(id), details=details)
+    entry = store.modal_models.entry(id)
+    return csv_or(
+        lambda: modal_model_reply(model, entry, details=details),
+        COLUMNS,
+        mode_rows(model, details),
+        as_csv=as_csv,
+    )
 
 
 @router.get(

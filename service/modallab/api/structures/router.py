@@ -11,7 +11,7 @@ from modallab.api.arrays import ArraysFormatDep
 from modallab.api.deps import IdPath, OwnerDep, SettingsDep, StoreDep
 from modallab.api.examples import example, examples
 from modallab.api.files import UFF, origin, uff_reply
-from modallab.api.media import CsvWanted, csv_replies, csv_reply
+from modallab.api.media import CsvWanted, csv_or, csv_replies
 from modallab.api.modal_models.replies import ExpandedReply, ModalModelReply, modal_model_reply
 from modallab.api.modal_models.schemas import SyntheticIn
 from modallab.api.offloading.route import OffloadedRoute
@@ -150,15 +150,14 @@ def change_structure(
 def get_modes(id: IdPath, store: StoreDep, as_csv: CsvWanted, count: Count = 10) -> Any:
     """Return the elastic modes of a structure, ascending in frequency; rigid-body modes are counted only."""
     basis, n_rigid_body = lowest_modes(as_modelled(store.structures.get(id)), count)
-    if as_csv:
-        columns = (
-            range(1, len(basis.frequencies) + 1),
-            basis.frequencies.tolist(),
-            basis.loss_factors.tolist(),
-        )
-        rows = (dict(zip(_MODE_COLUMNS, row, strict=True)) for row in zip(*columns, strict=True))
-        return csv_reply(_MODE_COLUMNS, rows)
-    return modes_reply(basis, n_rigid_body, store.structures.entry(id))
+    columns = (
+        range(1, len(basis.frequencies) + 1),
+        basis.frequencies.tolist(),
+        basis.loss_factors.tolist(),
+    )
+    rows = (dict(zip(_MODE_COLUMNS, row, strict=True)) for row in zip(*columns, strict=True))
+    entry = store.structures.entry(id)
+    return csv_or(lambda: modes_reply(basis, n_rigid_body, entry), _MODE_COLUMNS, rows, as_csv=as_csv)
 
 
 @router.get(
