@@ -6,7 +6,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -44,14 +44,17 @@ def chromium() -> str:
 Walk = Callable[..., dict[str, Any]]
 
 
-@pytest.fixture(scope="module")
-def walk(node: str, chromium: str, tmp_path_factory: pytest.TempPathFactory) -> Walk:
-    """Function that runs a script of `e2e` on a service, and returns what it says of each step."""
-    pictures = Path(os.environ.get("PAGE_PICTURES") or tmp_path_factory.mktemp("pictures"))
+@pytest.fixture(scope="session")
+def walk(node: str, chromium: str) -> Walk:
+    """Function that runs a script of `e2e` on a service, and returns what it says of each step.
+
+    It keeps pictures of the views in the folder `PAGE_PICTURES`, if there is one.
+    """
+    pictures = os.environ.get("PAGE_PICTURES", "")
 
     def run(script: str, address: str, **environment: str) -> dict[str, Any]:
         done = subprocess.run(
-            [node, f"e2e/{script}", address, str(pictures)],
+            [node, f"e2e/{script}", address, pictures],
             cwd=SOURCES,
             env=os.environ | environment | {"CHROMIUM": chromium},
             capture_output=True,
@@ -70,23 +73,37 @@ def check_step(steps: dict[str, Any], name: str) -> None:
     assert "fault" not in steps[name], steps[name]["fault"]
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """Address of a service with nothing in it."""
+    """Address of a service without keys."""
     port, data = free_port(), tmp_path_factory.mktemp("page")
     with running("serve", "--port", str(port), data=data), Lab(port) as lab:
         lab.wait_until_up()
         yield f"http://127.0.0.1:{port}"
 
 
-@contextmanager
-def service_with_key(data: Path, name: str, role: str) -> Iterator[tuple[str, str]]:
-    """Run a service with keys; its address, and a key of a role on it."""
+@dataclass(frozen=True)
+class KeyedService:
+    """A service with keys."""
+
+    address: str
+    _lab: Lab
+    _admin: str
+
+    def new_key(self, name: str, role: str) -> str:
+        """Return a new key of a role."""
+        headers = {"Authorization": f"Bearer {self._admin}"}
+        made = self._lab.request("POST", "/keys", json={"name": name, "role": role}, headers=headers)
+        return str(made.json()["key"])
+
+
+@pytest.fixture(scope="session")
+def keyed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[KeyedService]:
+    """Service with keys, and classes of whoever makes them."""
+    data, port = tmp_path_factory.mktemp("keys"), free_port()
     command = [sys.executable, "-m", "modallab", "keys", "create", "--data", str(data)]
     command += ["--role", "admin", "--name", "Laboratory"]
     admin = subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
-    port, headers = free_port(), {"Authorization": f"Bearer {admin}"}
     with running("serve", "--port", str(port), data=data), Lab(port) as lab:
         lab.wait_until_up()
-        made = lab.request("POST", "/keys", json={"name": name, "role": role}, headers=headers)
-        yield f"http://127.0.0.1:{port}", made.json()["key"]
+        yield KeyedService(f"http://127.0.0.1:{port}", lab, admin)

@@ -1,20 +1,18 @@
 """A whole class in a browser: sealed for three students, who measure, extract, answer and get marks."""
 
-from collections.abc import Iterator
 from typing import Any
 
 import pytest
 
-from tests.page.conftest import Walk, check_step, service_with_key
+from tests.page.conftest import KeyedService, Walk, check_step
 
 STEPS = ("keys", "assignment", "student one", "student two", "student three", "marks")
 
 
 @pytest.fixture(scope="module")
-def steps(walk: Walk, tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Any]]:
+def steps(walk: Walk, keyed: KeyedService) -> dict[str, Any]:
     """What the script says of each step."""
-    with service_with_key(tmp_path_factory.mktemp("class"), "Lecturer", "instructor") as (address, key):
-        yield walk("class.mjs", address, KEY=key)
+    return walk("class.mjs", keyed.address, KEY=keyed.new_key("Lecturer", "instructor"))
 
 
 @pytest.mark.parametrize("name", STEPS)

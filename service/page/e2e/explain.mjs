@@ -1,11 +1,11 @@
 /**
  * What a diagnosis offers beyond its verdict: an effect of no catalogue is adopted, a proposed test is run.
  *
- * Usage: node e2e/explain.mjs ADDRESS FOLDER, on a service without keys. Prints what was checked as JSON.
+ * Usage: node e2e/explain.mjs ADDRESS [FOLDER], on a service without keys. Prints what was checked as JSON.
  */
 
-import { withBrowser } from "./browser.mjs";
-import { DESK, assert, examine, tabTo } from "./checks.mjs";
+import { assert, examine, tabTo } from "./checks.mjs";
+import { walk } from "./steps.mjs";
 
 const [address, folder] = process.argv.slice(2);
 
@@ -18,22 +18,7 @@ const BEAM = {
 const OSCILLATOR = { kind: "attached_oscillator", at: "5:+Y", parameters: { mass: 0.05, frequency: 120 } };
 const MASS = { kind: "accelerometer_mass", at: null, parameters: { mass: 0.02 } };
 
-const failed = await withBrowser(address, { viewport: DESK }, async (context, faults) => {
-  const page = await context.newPage();
-  for (const [name, step] of [["unknown effect", unknownEffect], ["next test", nextTest]]) {
-    try {
-      const figures = await step(page);
-      assert(faults.length === 0, faults.join("; "));
-      console.log(JSON.stringify({ name, ...figures }));
-    } catch (error) {
-      await page.screenshot({ path: `${folder}/failed.png`, fullPage: true });
-      console.log(JSON.stringify({ name, fault: error.message }));
-      return true;
-    }
-  }
-  return false;
-});
-process.exitCode = failed ? 1 : 0;
+await walk(address, folder, [["unknown effect", unknownEffect], ["next test", nextTest]]);
 
 async function post(page, path, data) {
   const reply = await page.request.post(`${address}/v1${path}`, { data });

@@ -1,32 +1,17 @@
 /**
  * A student's way through the page, by the keyboard: rig, measure, extract, correlate, diagnose.
  *
- * Usage: node e2e/path.mjs ADDRESS FOLDER. Prints what was checked as JSON, a line each.
+ * Usage: node e2e/path.mjs ADDRESS [FOLDER]. Prints what was checked as JSON, a line each.
  */
 
 import { readFileSync } from "node:fs";
-import { withBrowser } from "./browser.mjs";
-import { DESK, assert, examine, fill, tabTo } from "./checks.mjs";
+import { assert, drawn, examine, fill, picture, tabTo } from "./checks.mjs";
+import { walk } from "./steps.mjs";
 
 const [address, folder] = process.argv.slice(2);
 let shared = ""; // the address of the diagnosis
 
-const failed = await withBrowser(address, { viewport: DESK, acceptDownloads: true }, async (context, faults) => {
-  const page = await context.newPage();
-  for (const [name, step] of STEPS()) {
-    try {
-      const figures = await step(page, faults);
-      assert(faults.length === 0, faults.join("; "));
-      console.log(JSON.stringify({ name, ...figures }));
-    } catch (error) {
-      await page.screenshot({ path: `${folder}/failed.png`, fullPage: true });
-      console.log(JSON.stringify({ name, fault: error.message }));
-      return true; // what follows builds on it
-    }
-  }
-  return false;
-});
-process.exitCode = failed ? 1 : 0;
+await walk(address, folder, STEPS());
 
 function STEPS() {
   return [
@@ -52,7 +37,7 @@ async function firstLoad(page) {
   await page.goto(`${address}/`);
   await page.getByRole("heading", { name: "chapter-5-beam" }).waitFor();
   await page.evaluate(() => document.fonts.ready);
-  await page.waitForTimeout(200);
+  await page.waitForLoadState("networkidle"); // half a second without a request
   assert(bytes < 120_000, `${bytes} bytes are transferred`);
   assert((await page.getByRole("button", { name: /sign/i }).count()) === 0, "a service without keys asks for none");
   return { bytes };
@@ -101,9 +86,9 @@ async function measure(page) {
   assert((await page.locator(".zoom-range").innerText()) === "0 – 800 Hz", "0 shows all");
   for (const name of ["Phase", "Real", "Imaginary", "Nyquist"]) {
     await page.getByRole("radio", { name }).check({ force: true });
-    await page.waitForTimeout(80);
+    await drawn(page);
   }
-  await page.screenshot({ path: `${folder}/measure-nyquist.png`, fullPage: true });
+  await picture(page, "measure-nyquist", folder);
   await page.getByRole("radio", { name: "Magnitude" }).check({ force: true });
   const file = page.waitForEvent("download");
   await page.getByRole("button", { name: "CSV" }).click();
@@ -224,7 +209,7 @@ async function errors(page, faults) {
 async function reference(page) {
   await page.goto(`${address}/docs`);
   await page.getByText("Create a structure").first().waitFor();
-  await page.screenshot({ path: `${folder}/reference.png` });
+  await picture(page, "reference", folder);
 }
 
 /** A service without keys has no classes, and asks for no key. */

@@ -1,11 +1,11 @@
 /**
  * A student's way in and out of a service with keys: a wrong key, the right one, a test, an expired session, out.
  *
- * Usage: KEY=... node e2e/sign-in.mjs ADDRESS FOLDER. Prints what was checked as JSON, a line each.
+ * Usage: KEY=... node e2e/sign-in.mjs ADDRESS [FOLDER]. Prints what was checked as JSON, a line each.
  */
 
-import { withBrowser } from "./browser.mjs";
-import { DESK, assert, examine, fill } from "./checks.mjs";
+import { assert, examine, fill } from "./checks.mjs";
+import { walk } from "./steps.mjs";
 
 const [address, folder] = process.argv.slice(2);
 const { KEY } = process.env; // not an argument: those are seen by every user of the machine
@@ -15,28 +15,16 @@ const form = (page) => page.getByRole("dialog", { name: "Sign in" });
 const account = (page) => page.locator(".account");
 const sessionCookie = async (page) => (await page.context().cookies(`${address}/v1/`)).find((cookie) => cookie.name === COOKIE);
 
-const failed = await withBrowser(address, { viewport: DESK }, async (context, faults) => {
-  const page = await context.newPage();
-  const written = []; // to the console, of every level
-  const visited = [];
-  page.on("console", (message) => written.push(message.text()));
-  page.on("request", (request) => visited.push(request.url()));
-  for (const [name, step] of STEPS()) {
-    try {
-      const figures = await step(page);
-      const unexpected = faults.splice(0).filter((fault) => !fault.includes("401")); // the browser writes refusals
-      assert(unexpected.length === 0, unexpected.join("; "));
-      await keptSecret(page, [...written, ...visited]);
-      console.log(JSON.stringify({ name, ...figures }));
-    } catch (error) {
-      await page.screenshot({ path: `${folder}/failed.png`, fullPage: true });
-      console.log(JSON.stringify({ name, fault: error.message.replaceAll(KEY, "KEY") }));
-      return true;
-    }
-  }
-  return false;
+const seen = []; // written to the console, of every level, and addresses
+await walk(address, folder, STEPS(), {
+  tolerated: "401", // the browser writes refusals
+  secret: KEY,
+  before: (page) => {
+    page.on("console", (message) => seen.push(message.text()));
+    page.on("request", (request) => seen.push(request.url()));
+  },
+  after: keptSecret,
 });
-process.exitCode = failed ? 1 : 0;
 
 function STEPS() {
   return [
@@ -49,7 +37,7 @@ function STEPS() {
 }
 
 /** The key is in no address, no message, no storage, no cookie that a script reads, and nowhere in the page. */
-async function keptSecret(page, seen) {
+async function keptSecret(page) {
   const kept = await page.evaluate(() => JSON.stringify([location.href, { ...localStorage }, { ...sessionStorage }, document.cookie, document.body.innerHTML]));
   assert(![...seen, kept].some((text) => text.includes(KEY)), "the key has been kept");
 }
