@@ -96,6 +96,13 @@ class KeyedService:
         made = self._lab.request("POST", "/keys", json={"name": name, "role": role}, headers=headers)
         return str(made.json()["key"])
 
+    def new_key_of(self, name: str) -> str:
+        """Return a new text of the key of a holder, whose former one counts no more."""
+        headers = {"Authorization": f"Bearer {self._admin}"}
+        held = self._lab.request("GET", "/keys", headers=headers).json()["items"]
+        (id,) = [key["id"] for key in held if key["name"] == name]
+        return str(self._lab.request("POST", f"/keys/{id}/rotate", headers=headers).json()["key"])
+
 
 @pytest.fixture(scope="session")
 def keyed(tmp_path_factory: pytest.TempPathFactory) -> Iterator[KeyedService]:

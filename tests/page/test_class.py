@@ -1,18 +1,27 @@
 """A whole class in a browser: sealed for three students, who measure, extract, answer and get marks."""
 
+import os
+import subprocess
+import sys
 from typing import Any
 
 import pytest
 
 from tests.page.conftest import KeyedService, Walk, check_step
 
-STEPS = ("keys", "assignment", "student one", "student two", "student three", "marks")
+STEPS = ("keys", "assignment", "student one", "student two", "student three", "marks", "link")
 
 
 @pytest.fixture(scope="module")
-def steps(walk: Walk, keyed: KeyedService) -> dict[str, Any]:
+def lecturer(keyed: KeyedService) -> str:
+    """Key of the instructor."""
+    return keyed.new_key("Lecturer", "instructor")
+
+
+@pytest.fixture(scope="module")
+def steps(walk: Walk, keyed: KeyedService, lecturer: str) -> dict[str, Any]:
     """What the script says of each step."""
-    return walk("class.mjs", keyed.address, KEY=keyed.new_key("Lecturer", "instructor"))
+    return walk("class.mjs", keyed.address, KEY=lecturer)
 
 
 @pytest.mark.parametrize("name", STEPS)
@@ -39,3 +48,31 @@ def test_the_instructor_has_the_marks_of_all(steps: dict[str, Any]) -> None:
     head, *rows = steps["marks"]["table"]
     assert head.startswith("name,student,measurements,submitted")
     assert len(rows) == len(steps["marks"]["rows"]) == 3
+
+
+def test_a_link_that_has_been_used_is_told_so(steps: dict[str, Any]) -> None:
+    assert steps["link"]["told"].startswith("This link has been used, or is too old")
+
+
+def printed(code: str, key: str) -> str:
+    """Return what copied code prints with a key."""
+    assert key not in code
+    environment = os.environ | {"MODALLAB_KEY": key}
+    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def test_marks_copied_as_python_are_those_of_the_table(steps: dict[str, Any], lecturer: str) -> None:
+    assert printed(steps["marks"]["python"], lecturer).splitlines() == [
+        "Student one 1 5.0",
+        "Student three 1 0.0",
+        "Student two 1 3.0",
+    ]
+
+
+def test_a_test_copied_as_python_is_that_of_the_student(steps: dict[str, Any], keyed: KeyedService) -> None:
+    """One of two is left to the third student."""
+    assert "(201,) (201, 11, 1)" in printed(
+        steps["student three"]["python"], keyed.new_key_of("Student three")
+    )

@@ -889,6 +889,18 @@ class KeyPage:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Link:
+    """A link that signs in once."""
+
+    expires: str
+    """ISO 8601, UTC, first moment at which it does not count; it ends with its use, too."""
+    key_id: str
+    """Id of the key whose holder it signs in."""
+    link: str
+    """Address on the service, told this once; the secret in it is behind `#`, where browsers keep it."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class LimitReply:
     """A limit: what exceeds it is refused."""
 

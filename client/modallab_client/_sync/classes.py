@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from modallab_client import _wire
 from modallab_client._generated import models
 from modallab_client._sync.transport import Transport
-from modallab_client.results import Class, Key, NewKey, Roll
+from modallab_client.results import Class, Key, Link, NewKey, Roll
 from modallab_client.stored import Identified, id_of
 
 
@@ -94,6 +94,11 @@ class Keys:
     def rotate(self, key_id: str) -> NewKey:
         """Return a key with a new text; the former text counts no more."""
         return _wire.reply(NewKey, self._transport.request("POST", f"/v1/keys/{key_id}/rotate"))
+
+    def link(self, key_id: Identified) -> Link:
+        """Return a link to the page, told this once, that signs the holder of a key in once."""
+        path = f"/v1/keys/{id_of(key_id)}/links"
+        return _wire.reply(Link, self._transport.request("POST", path))
 
     def revoke(self, key_id: str) -> None:
         """Revoke a key at once and for good."""

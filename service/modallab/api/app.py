@@ -37,6 +37,7 @@ from modallab.store.classes import ClassBook
 from modallab.store.keys import KeyBook
 from modallab.store.place import engine_of, open_store
 from modallab.store.sessions import SessionBook
+from modallab.store.sign_in_links import LinkBook
 
 
 class Lab(FastAPI):
@@ -106,6 +107,7 @@ def create_app(
     app.state.classes = ClassBook(engine_of(settings.store_place), app.state.keys)
     app.state.assignments = AssignmentBook(engine_of(settings.store_place))
     app.state.sessions = SessionBook(engine_of(settings.store_place))
+    app.state.links = LinkBook(engine_of(settings.store_place))
     app.include_router(_routes())
     app.include_router(page.router)
     problems.install(app)

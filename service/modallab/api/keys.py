@@ -12,11 +12,13 @@ from modallab.api.examples import example
 from modallab.api.replies import reply
 from modallab.api.wire import HolderName, Reply, Wire
 from modallab.store.keys import Key, KeyBook, NewKey, Role
+from modallab.store.sign_in_links import Link, LinkBook
 
 router = APIRouter(prefix="/keys", tags=["keys"])
 
 KeyReply: Any = reply(Key, "Key")
 NewKeyReply: Any = reply(Key, "NewKey", key=(str, "The key itself, told this once."))
+LinkReply: Any = reply(Link, "Link")
 _ADMIN = {"name": "Physics laboratory", "role": "instructor", "expires": "2030-03-31T00:00:00Z"}
 
 
@@ -45,7 +47,13 @@ async def _keys(request: Request) -> KeyBook:
     return keys
 
 
+async def _links(request: Request) -> LinkBook:
+    links: LinkBook = request.app.state.links
+    return links
+
+
 KeysDep = Annotated[KeyBook, Depends(_keys)]
+LinksDep = Annotated[LinkBook, Depends(_links)]
 
 
 def key_reply(key: Key) -> Any:
@@ -101,6 +109,18 @@ def get_key(id: IdPath, keys: KeysDep, key: KeyDep) -> Any:
 def rotate_key(id: IdPath, keys: KeysDep, key: KeyDep) -> Any:
     """Return a key with a new text; the former text counts no more, and what was made with it stays."""
     return new_key_reply(keys.rotate(id, viewer=key.viewer))
+
+
+@router.post(
+    "/{id}/links",
+    status_code=status.HTTP_201_CREATED,
+    response_model=LinkReply,
+    summary="Create a link",
+    dependencies=[SECRET],
+)
+def create_link(id: IdPath, keys: KeysDep, links: LinksDep, key: KeyDep) -> Any:
+    """Return a link to the page that signs the holder of a key in once, told once; the key stays as it is."""
+    return LinkReply.model_validate(vars(links.create(keys.get(id, viewer=key.viewer))))
 
 
 @router.delete("/{id}", status_code=status.HTTP_204_NO_CONTENT, summary="Revoke a key")

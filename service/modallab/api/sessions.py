@@ -9,7 +9,7 @@ from starlette.responses import Response
 from modallab.api.access import ANY_KEY, KeyDep
 from modallab.api.examples import example
 from modallab.api.gate import COOKIE, PREFIX, bearer, session_cookie
-from modallab.api.keys import SECRET, KeyReply, KeysDep, key_reply
+from modallab.api.keys import SECRET, KeyReply, KeysDep, LinksDep, key_reply
 from modallab.api.wire import Wire
 from modallab.store.base import UnauthorisedError
 from modallab.store.sessions import LENGTH, SessionBook
@@ -24,6 +24,13 @@ class SessionIn(Wire):
 
     key: str = Field(max_length=200)
     """key of whoever signs in"""
+
+
+class SessionByLinkIn(Wire):
+    """Opening of a session by a link."""
+
+    link: str = Field(max_length=200)
+    """what the link has behind `#once=`; it counts once"""
 
 
 async def _sessions(request: Request) -> SessionBook:
@@ -46,16 +53,22 @@ def create_session(
     response: Response,
     keys: KeysDep,
     sessions: SessionsDep,
-    body: Annotated[SessionIn | None, example(_KEY)] = None,
+    links: LinksDep,
+    body: Annotated[SessionIn | SessionByLinkIn | None, example(_KEY)] = None,
 ) -> Any:
     """Return whose key it is, with a cookie that stands for the key; for web pages.
 
-    The key comes in the body, or in the header `Authorization`.
+    The key comes in the body, or in the header `Authorization`. A link does instead of a key, once.
     """
-    text = bearer(request.headers) if body is None else body.key
-    if text is None:
-        raise UnauthorisedError("a key is needed, in the body or in the header `Authorization: Bearer KEY`")
-    key = keys.verified(text)
+    if isinstance(body, SessionByLinkIn):
+        key = links.used(body.link)
+    else:
+        text = bearer(request.headers) if body is None else body.key
+        if text is None:
+            raise UnauthorisedError(
+                "a key is needed, in the body or in the header `Authorization: Bearer KEY`"
+            )
+        key = keys.verified(text)
     response.set_cookie(
         COOKIE,
         sessions.create(key).cookie,

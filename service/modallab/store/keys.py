@@ -19,7 +19,7 @@ import sqlalchemy as sa
 from modallab.core.errors import InvalidInputError, NotFoundError, bounds
 from modallab.store.base import UnauthorisedError
 from modallab.store.sql import new_id
-from modallab.store.tables import KEYS, SESSIONS
+from modallab.store.tables import KEYS, SESSIONS, SIGN_IN_LINKS
 from modallab.store.viewer import Viewer, Visibility, manageable
 
 _COLUMNS = [KEYS.c[name] for name in ("id", "name", "role", "class_id", "created", "expires", "revoked")]
@@ -213,7 +213,7 @@ class KeyBook:
             )
 
     def rotate(self, id: str, *, viewer: Viewer) -> NewKey:
-        """Return a key with a new secret; the former one, and sessions opened with it, end.
+        """Return a key with a new secret; the former one ends, with its sessions and links.
 
         Raises
         ------
@@ -226,7 +226,8 @@ class KeyBook:
         new = NewKey(key, _text(id))
         with self._engine.begin() as connection:
             connection.execute(KEYS.update().where(KEYS.c.id == id).values(digest=digest(new.text)))
-            connection.execute(SESSIONS.delete().where(SESSIONS.c.key_id == id))
+            for table in (SESSIONS, SIGN_IN_LINKS):
+                connection.execute(table.delete().where(table.c.key_id == id))
         return new
 
 

@@ -132,6 +132,15 @@ SESSIONS = sa.Table(
     sa.Column("expires", sa.String(40), nullable=False),
 )
 
+# Removed with their use.
+SIGN_IN_LINKS = sa.Table(
+    "sign_in_links",
+    METADATA,
+    sa.Column("digest", sa.String(64), primary_key=True),  # SHA-256 of the secret in the link
+    sa.Column("key_id", sa.ForeignKey("keys.id"), nullable=False, index=True),
+    sa.Column("expires", sa.String(40), nullable=False),
+)
+
 # Closed and never removed: measurements of an assignment stay sealed.
 ASSIGNMENTS = sa.Table(
     "assignments",

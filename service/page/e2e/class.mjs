@@ -13,6 +13,7 @@ const [address, folder] = process.argv.slice(2);
 const { KEY } = process.env; // not an argument: those are seen by every user of the machine
 const STUDENTS = ["Student one", "Student two", "Student three"];
 const keys = {}; // by name, out of the file that the instructor saves
+const links = {};
 
 await walk(address, folder, STEPS(), { tolerated: "401" }); // before somebody signs in
 
@@ -24,6 +25,7 @@ function STEPS() {
     ["student two", (page) => student(page, 1, (on) => byHand(on, "extra_mass", "13:+Y"))],
     ["student three", (page) => student(page, 2, (on) => byHand(on, "ground_spring", "9:+Y"))],
     ["marks", seeMarks],
+    ["link", useLink],
   ];
 }
 
@@ -67,6 +69,18 @@ async function handOutKeys(page) {
   for (const [name, , key] of table.slice(1)) keys[name] = key;
   const shown = await page.evaluate(() => JSON.stringify([document.body.innerHTML, { ...localStorage }, { ...sessionStorage }]));
   assert(!Object.values(keys).some((key) => shown.includes(key)), "the keys are in the file alone");
+  await handOutLinks(page);
+}
+
+async function handOutLinks(page) {
+  const saved = page.waitForEvent("download");
+  await press(page, "Make a link for each student");
+  const [head, ...rows] = readFileSync(await (await saved).path(), "utf8").trim().split("\n").map((line) => line.split(","));
+  assert(head.join() === "name,link" && rows.map(([name]) => name).join() === STUDENTS.join(), `a link for each student: ${rows}`);
+  for (const [name, link] of rows) links[name] = link;
+  assert(rows.every(([, link]) => link.startsWith(`${address}/#once=`)), "the secret is behind #");
+  const shown = await page.evaluate(() => document.body.innerHTML);
+  assert(!rows.some(([, link]) => shown.includes(link.split("=")[1])), "the links are in the file alone");
 }
 
 async function handOutAssignment(page) {
@@ -105,7 +119,11 @@ async function student(page, index, answer) {
   const marks = page.locator(".marks");
   await marks.waitFor();
   if (index === 1) await examine(page, "class-student", folder);
-  const result = { points: await marks.locator("h2").innerText(), reasons: await marks.locator("dd").allInnerTexts() };
+  const result = {
+    python: await page.locator(".panel [data-python]").getAttribute("data-python"),
+    points: await marks.locator("h2").innerText(),
+    reasons: await marks.locator("dd").allInnerTexts(),
+  };
   await page.getByRole("button", { name: "Sign out" }).click();
   return result;
 }
@@ -135,5 +153,33 @@ async function seeMarks(page) {
   await page.getByRole("button", { name: "Marks, CSV" }).click();
   const table = readFileSync(await (await saved).path(), "utf8").trim().split(/\r?\n/);
   await examine(page, "class-marks", folder);
-  return { rows: await page.locator('[aria-label="Table of marks"] tbody tr').allInnerTexts(), table };
+  const python = await page.locator(".watched [data-python]").getAttribute("data-python");
+  const rows = await page.locator('[aria-label="Table of marks"] tbody tr').allInnerTexts();
+  await page.getByRole("button", { name: "Sign out" }).click();
+  return { rows, table, python };
+}
+
+/** A link signs its student in once, in a window that shows the page and in a new one. */
+async function useLink(page) {
+  const [name] = STUDENTS;
+  const asked = [];
+  const note = (request) => asked.push(request.url());
+  page.on("request", note);
+  await page.getByRole("dialog", { name: "Sign in" }).waitFor();
+  await page.goto(links[name]); // another fragment of the same address: the page is not loaded again
+  await page.locator(".account-name", { hasText: name }).waitFor();
+  const secret = links[name].split("=")[1];
+  assert(!page.url().includes(secret) && !asked.some((url) => url.includes(secret)), "the secret is in no address");
+  await page.goBack();
+  assert(!page.url().includes(secret), "no step back leads to the secret");
+  await page.goto(`${address}/`);
+  await page.locator(".account-name", { hasText: name }).waitFor();
+  await page.getByRole("button", { name: "Sign out" }).click();
+  await page.getByRole("dialog", { name: "Sign in" }).waitFor();
+  await page.goto("about:blank");
+  await page.goto(links[name]);
+  const told = await page.getByRole("dialog", { name: "Sign in" }).getByRole("alert").innerText();
+  await examine(page, "used-link", folder);
+  page.off("request", note);
+  return { told };
 }

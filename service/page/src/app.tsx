@@ -61,7 +61,7 @@ export function App() {
       <main id="main" tabIndex={-1}>
         {state.view === "rig" ? <RigView state={state} /> : <LaterView key={state.view} view={state.view} state={state} />}
       </main>
-      {session.asking && <SignInForm />}
+      {session.asking && <SignInForm told={session.told} />}
     </>
   );
 }

@@ -23,7 +23,8 @@ export function program(lines: string[], address = origin(), withKey = holder() 
   return `from modallab_client import ModalLab\n\n${key}with ModalLab(${literal(address)}) as lab:\n${body}\n`;
 }
 
-function origin(): string {
+/** Return the address of the page without what stands behind it. */
+export function origin(): string {
   return new URL(".", location.href).href.replace(/\/$/, "");
 }
 
@@ -51,5 +52,39 @@ export function measureLines(effects: HiddenEffect[], seed: number): string[] {
     ...hidden,
     `test = lab.measurements.start(model.id, rig.id, seed=${seed}${also}).result()`,
     "print(test.freq.shape, test.values.shape, test.coherence.min())",
+  ];
+}
+
+/** Return a call with a value for each name, one on each line. */
+function call(start: string, named: Record<string, unknown>): string[] {
+  const given = Object.entries(named).filter(([, value]) => value !== null && value !== undefined);
+  return [`${start}(`, ...given.map(([name, value]) => `    ${name}=${literal(value)},`), ")"];
+}
+
+export function assignmentLines({ class_id, title, ...named }: Record<string, unknown>): string[] {
+  const [start, ...rest] = call("assignment = lab.assignments.create", named);
+  return [start, `    ${literal(class_id)},`, `    ${literal(title)},`, ...rest, "print(assignment.id)"];
+}
+
+export function marksLines(assignment: string): string[] {
+  return [
+    `for row in lab.assignments.marks(${literal(assignment)}):`,
+    '    points = row.submission.marks.points if row.submission else "no answer"',
+    "    print(row.name, row.measurements, points)",
+  ];
+}
+
+export function trialLines(assignment: string, { rig, route }: { rig?: unknown; route?: unknown }): string[] {
+  const by = route === undefined ? "" : `, route=${literal(route)}`;
+  return [
+    `test = lab.assignments.measure(${literal(assignment)}, ${literal(rig)}${by}).result()  # one of the tests that are left`,
+    "print(test.freq.shape, test.values.shape, test.coherence.min())",
+  ];
+}
+
+export function answerLines(assignment: string, { effects, coefficients, words }: { effects: unknown[]; coefficients: object; words: string }): string[] {
+  return [
+    `answer = lab.assignments.submit(${literal(assignment)}, ${literal(effects)}, coefficients=${literal(coefficients)}, words=${literal(words)})`,
+    "print(answer.marks.points, answer.marks.maximum)",
   ];
 }

@@ -19,13 +19,15 @@ export interface Session {
   refused: boolean;
   /** the form is open */
   asking: boolean;
+  /** why a link signed nobody in */
+  told: Problem | null;
 }
 
 // A service without keys refuses `GET /v1/sessions`, and browsers write that to their console: it is asked
 // only where somebody has signed in before.
 const NOTE = "signed-in";
 
-let session: Session = { holder: null, refused: false, asking: false };
+let session: Session = { holder: null, refused: false, asking: false, told: null };
 const waiting: ((yes: boolean) => void)[] = []; // requests that go on when the form closes
 let turn = 0; // how often somebody has signed in
 
@@ -47,8 +49,24 @@ function change(next: Partial<Session>): void {
   dispatchEvent(new Event("sessionchange"));
 }
 
+// What stands behind `#` reaches no server; the secret of a link leaves the address before anything else happens.
+const ONCE = "#once=";
+
+let entering: Promise<void> | null = null; // by a link
+
+/** Sign in by the link in the address, if there is one. */
+export function enter(): void {
+  if (!location.hash.startsWith(ONCE)) return;
+  const link = location.hash.slice(ONCE.length);
+  history.replaceState(null, "", location.pathname);
+  entering = opened({ link }).then((told) => {
+    if (told) change({ told, refused: true, asking: true });
+  });
+}
+
 /** Send a request; one that is refused for want of a session is sent again after signing in. */
 export async function signedIn(send: () => Promise<Response>): Promise<Response> {
+  await entering;
   const before = turn;
   try {
     return await send();
@@ -67,16 +85,18 @@ export function ask(): Promise<boolean> {
 }
 
 function close(yes: boolean): void {
-  change({ asking: false });
+  change({ asking: false, told: null });
   for (const resolve of waiting.splice(0)) resolve(yes);
 }
 
 export const decline = () => close(false);
 
 /** Exchange a key for a session; return the problem of a key that does not count. */
-export async function signIn(key: string): Promise<Problem | null> {
+export const signIn = (key: string) => opened({ key });
+
+async function opened(proof: { key: string } | { link: string }): Promise<Problem | null> {
   try {
-    const who = await holderOf(request("/sessions", posting({ key })));
+    const who = await holderOf(request("/sessions", posting(proof)));
     localStorage.setItem(NOTE, "yes");
     if (session.holder && session.holder.id !== who.id) return startAfresh(); // the page shows another person's work
     turn += 1;
@@ -97,7 +117,8 @@ function startAfresh(): null {
 
 /** Find out who is signed in from an earlier visit. */
 export async function resume(): Promise<void> {
-  if (!localStorage.getItem(NOTE)) return;
+  await entering;
+  if (session.holder || !localStorage.getItem(NOTE)) return;
   try {
     change({ holder: await holderOf(request("/sessions")), refused: false });
   } catch (error) {

@@ -235,6 +235,7 @@ ROWS: dict[str, Row] = {
     "list_keys": anyone(),
     "get_key": owned(id="student"),
     "rotate_key": Row((401, 404, 404, 201, 201, 401, 401), owner=404, id=new_member),
+    "create_link": Row((401, 404, 404, 201, 201, 401, 401), owner=404, id=new_member),
     "revoke_key": Row((401, 404, 404, 204, 204, 401, 401), owner=404, id=new_member),
     "create_class": teachers(201, body=lambda _: {"name": "new"}),
     "list_classes": teachers(),
@@ -314,7 +315,7 @@ SESSIONS = {"create_session", "get_session", "delete_session"}
 @pytest.mark.parametrize("name", OPERATIONS)
 def test_the_role_service_is_for_programs_that_watch_the_service(school: School, name: str) -> None:
     allowed = {"get_health", "get_ready", "get_version", "list_limits", "list_keys", *SESSIONS}
-    if name in ("get_key", "rotate_key", "revoke_key"):  # of others
+    if name in ("get_key", "rotate_key", "create_link", "revoke_key"):  # of others
         assert answer(school, "service", name).status_code == 404
     else:
         assert (answer(school, "service", name).status_code < 300) == (name in allowed)

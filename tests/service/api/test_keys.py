@@ -164,6 +164,51 @@ def test_a_key_that_does_not_count_opens_no_session(school: School, caller: str)
     assert "set-cookie" not in reply.headers
 
 
+def new_link(school: School, caller: str = "instructor") -> str:
+    """Return the secret of a new link of the student."""
+    reply = school.send(caller, "POST", f"/v1/keys/{school.ids['student']}/links")
+    assert reply.status_code == 201, reply.text
+    assert reply.headers["cache-control"] == "no-store"
+    page, _, fragment = reply.json()["link"].partition("#")
+    assert page == "/", "the secret is in no path and in no query"
+    return str(fragment.removeprefix("once="))
+
+
+def test_a_link_of_the_instructor_signs_a_student_in_once(school: School) -> None:
+    secret = new_link(school)
+    signing_in = {"json": {"link": secret}}
+    reply = school.service.request("POST", "/v1/sessions", **signing_in)
+    assert (reply.status_code, reply.json()["name"]) == (201, "student")
+    cookie = {"Cookie": reply.headers["set-cookie"].split("; ")[0]}
+    made = school.service.request("POST", "/v1/structures", json=BEAM, headers=cookie)
+    assert made.json()["owner"] == school.ids["student"]
+    again = school.service.request("POST", "/v1/sessions", **signing_in)
+    assert (again.status_code, again.json()["code"]) == (401, "unauthorized")
+    assert "set-cookie" not in again.headers
+    assert signed_in(school, "student"), "the key counts as before"
+
+
+def test_a_link_of_another_origins_page_signs_nobody_in(school: School) -> None:
+    secret = new_link(school)
+    headers = {"Sec-Fetch-Site": "cross-site"}
+    refused = school.service.request("POST", "/v1/sessions", json={"link": secret}, headers=headers)
+    assert refused.status_code == 403
+    reply = school.service.request("POST", "/v1/sessions", json={"link": secret})
+    assert reply.status_code == 201, "what is refused does not use a link up"
+
+
+@pytest.mark.parametrize("body", [{}, {"key": "k", "link": "l"}])
+def test_either_a_key_or_a_link_signs_in(school: School, body: dict[str, str]) -> None:
+    reply = school.service.request("POST", "/v1/sessions", json=body)
+    assert (reply.status_code, reply.json()["code"]) == (422, "invalid_request")
+    assert "set-cookie" not in reply.headers
+
+
+def test_a_link_of_a_revoked_key_is_refused_where_it_is_made(school: School) -> None:
+    reply = school.send("instructor", "POST", f"/v1/keys/{school.ids['revoked']}/links")
+    assert (reply.status_code, reply.json()["context"]["allowed"]) == (422, "a valid key")
+
+
 FOREIGN = [
     {"Origin": "http://elsewhere.example"},
     {"Origin": "http://localhost:9999"},

@@ -23,6 +23,7 @@ CHECKED = settings(
 BEFORE_THE_FIRST_KEY = {
     "/v1/keys": (403,),
     "/v1/keys/{id}/rotate": (403,),
+    "/v1/keys/{id}/links": (403,),
     "/v1/classes": (403,),
     "/v1/assignments": (403,),
     "/v1/assignments/{id}/measurements": (403,),

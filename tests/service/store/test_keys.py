@@ -9,9 +9,10 @@ from modallab.core.errors import InvalidInputError, NotFoundError
 from modallab.fe.catalogued import STRUCTURES
 from modallab.store.base import Description, ForbiddenError, UnauthorisedError
 from modallab.store.classes import ClassBook
-from modallab.store.keys import KeyBook, Role
+from modallab.store.keys import Key, KeyBook, Role, written
 from modallab.store.place import StorePlace, engine_of
 from modallab.store.sessions import SessionBook
+from modallab.store.sign_in_links import VALID, LinkBook
 from modallab.store.sql import SqlStore
 from modallab.store.tables import METADATA
 from modallab.store.viewer import EVERYONE
@@ -39,14 +40,28 @@ def sessions(place: StorePlace) -> SessionBook:
     return SessionBook(engine_of(place))
 
 
-def test_no_row_of_the_database_holds_a_key_or_a_cookie(
-    place: StorePlace, keys: KeyBook, sessions: SessionBook
+@pytest.fixture
+def links(place: StorePlace) -> LinkBook:
+    """Links of a place."""
+    return LinkBook(engine_of(place))
+
+
+def secret_of(links: LinkBook, key: Key) -> str:
+    return links.create(key).link.removeprefix("/#once=")
+
+
+def test_no_row_of_the_database_holds_a_key_a_cookie_or_a_link(
+    place: StorePlace, keys: KeyBook, sessions: SessionBook, links: LinkBook
 ) -> None:
     new = keys.create("somebody", Role.STUDENT)
-    secrets = {new.text.rpartition("_")[2], sessions.create(new.key).cookie}
+    secrets = {
+        new.text.rpartition("_")[2],
+        sessions.create(new.key).cookie,
+        secret_of(links, new.key),
+    }
     with engine_of(place).begin() as connection:
         rows = [row for table in METADATA.sorted_tables for row in connection.execute(sa.select(table))]
-    assert len(rows) == 3  # two keys, a session
+    assert len(rows) == 4  # two keys, a session, a link
     assert not [secret for secret in secrets if secret in str(rows)]
 
 
@@ -89,6 +104,40 @@ def test_a_renewed_key_has_the_same_owner_and_another_text(keys: KeyBook, sessio
         keys.verified(new.text)
     with pytest.raises(UnauthorisedError):
         sessions.key(cookie)
+
+
+def test_a_link_counts_once_and_for_the_last_time_before_it_expires(
+    keys: KeyBook, links: LinkBook, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    key = keys.create("somebody", Role.STUDENT).key
+    once, late, longer = (secret_of(links, key) for _ in range(3))
+    assert links.used(once) == key
+    for worn in (once, "", "unknown"):
+        with pytest.raises(UnauthorisedError, match="has been used"):
+            links.used(worn)
+
+    def in_time(later: timedelta) -> str:
+        return written(datetime.now(UTC) + later)
+
+    monkeypatch.setattr("modallab.store.sign_in_links.now", lambda: in_time(VALID - timedelta(minutes=1)))
+    assert links.used(longer) == key
+    monkeypatch.setattr("modallab.store.sign_in_links.now", lambda: in_time(VALID))
+    with pytest.raises(UnauthorisedError, match="too old"):
+        links.used(late)
+
+
+def test_a_link_ends_with_its_key(keys: KeyBook, links: LinkBook) -> None:
+    new = keys.create("somebody", Role.STUDENT)
+    before_renewal = secret_of(links, new.key)
+    keys.rotate(new.key.id, viewer=EVERYONE)
+    with pytest.raises(UnauthorisedError):
+        links.used(before_renewal)
+    before_the_end = secret_of(links, new.key)
+    keys.revoke(new.key.id, viewer=EVERYONE)
+    with pytest.raises(UnauthorisedError, match="revoked"):
+        links.used(before_the_end)
+    with pytest.raises(InvalidInputError, match="revoked"):
+        links.create(keys.get(new.key.id, viewer=EVERYONE))
 
 
 def test_the_first_key_is_an_administrators(place: StorePlace) -> None:

@@ -6,10 +6,11 @@ import { type Session, ask, decline, signIn, signOut } from "../session";
 import { sentence } from "./notes";
 
 /** The form over the page: what has been typed below it stays. */
-export function SignInForm() {
+export function SignInForm({ told }: { told: Problem | null }) {
   const dialog = useRef<HTMLDialogElement>(null);
   const field = useRef<HTMLInputElement>(null);
-  const [problem, setProblem] = useState<Problem | null>(null);
+  const [wrong, setProblem] = useState<Problem | null>(null);
+  const problem = wrong ?? told;
   const [busy, setBusy] = useState(false);
   useEffect(() => {
     const shown = dialog.current!;
@@ -29,7 +30,7 @@ export function SignInForm() {
     <dialog ref={dialog} class="sign-in" aria-labelledby="sign-in-title" onCancel={decline}>
       <form onSubmit={send}>
         <h2 id="sign-in-title">Sign in</h2>
-        <p class="hint" id="sign-in-hint">This laboratory asks for a key. Your instructor gives it to you.</p>
+        <p class="hint" id="sign-in-hint">This laboratory asks for a key. Your instructor gives it to you, or a link that signs you in once.</p>
         <label for="key">Key</label>
         <span class="input">
           <input

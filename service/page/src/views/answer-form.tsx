@@ -6,8 +6,10 @@ import { type Assignment, type NamedEffect, type PlaceKind, placeOf, placeText }
 import { words } from "../format";
 import { HIDDEN_ROWS } from "../hidden";
 import { type CatalogueEntry, catalogue, diagnosis } from "../model";
+import { Actions } from "../parts/actions";
 import { Group, NumberField, SelectField, TextArea, TextField } from "../parts/fields";
 import { ProblemNote } from "../parts/notes";
+import { answerLines, program } from "../python";
 import { asProblem, useLoaded } from "../use";
 
 interface Draft {
@@ -34,8 +36,9 @@ export function AnswerForm({ assignment, diagnosisId, sent }: { assignment: Assi
   const left = assignment.submissions - (assignment.submission?.number ?? 0);
   if (left < 1 || !entries.value) return null;
   const add = (kind: string) => setEffects([...effects, draftOf(entries.value!.find((entry) => entry.kind === kind)!)]);
+  const answer = () => ({ effects: effects.map(effectOf), coefficients, words: text });
   const send = () =>
-    post(`/assignments/${assignment.id}/submissions`, { effects: effects.map(effectOf), coefficients, words: text }).then(
+    post(`/assignments/${assignment.id}/submissions`, answer()).then(
       () => {
         setProblem(null);
         sent();
@@ -68,6 +71,7 @@ export function AnswerForm({ assignment, diagnosisId, sent }: { assignment: Assi
       </div>
       {problem && <ProblemNote problem={problem} />}
       <button type="button" class="primary" onClick={send}>{left > 1 ? `Submit, ${left} answers left` : "Submit, the last answer"}</button>
+      <Actions python={() => program(answerLines(assignment.id, answer()))} />
     </section>
   );
 }

@@ -6,8 +6,10 @@ import { type Assignment, type HiddenDraft, type Limits, hiddenOf, listOf } from
 import { words } from "../format";
 import { HIDDEN_ROWS } from "../hidden";
 import { geometry, structure, structureModes } from "../model";
+import { Actions } from "../parts/actions";
 import { CheckField, Group, NumberField, SelectField, TextField } from "../parts/fields";
 import { ProblemNote } from "../parts/notes";
+import { assignmentLines, program } from "../python";
 import { type RigDraft, bodyOf, unpacked, usualRig } from "../rig";
 import { type State, address } from "../state";
 import { asProblem, useLoaded } from "../use";
@@ -65,27 +67,30 @@ function Fields({ name, rig, request, made }: FieldsProps) {
   });
   const create = () => post<Assignment>("/assignments", body()).then((one) => { setProblem(null); made(one); }, (error) => setProblem(asProblem(error)));
   return (
-    <div class="form-groups">
-      <Group title="Test">
-        <TextField label="Title" value={title} set={setTitle} />
-        <p class="hint">{`${name}, driven at ${rig.drive}, ${rig.responses.length} responses, ${rig.nLines} lines to ${rig.frequencyMax} Hz: as set up in step 1.`}</p>
-        {(Object.keys(NUMBERS) as (keyof typeof NUMBERS)[]).map((key) => <NumberField label={key === "quota" ? "Tests of each student" : "Answers of each student"} value={numbers[key]} set={(value) => setNumbers({ ...numbers, [key]: value })} min={1} max={100} whole />)}
-        <SelectField label="Diagnosis" value={diagnosis} set={setDiagnosis} options={[{ value: "off", text: "not allowed" }, { value: "on", text: "allowed" }, { value: "after_deadline", text: "after the deadline" }]} />
-        <TextField label="Deadline" kind="datetime-local" value={times.deadline} set={(deadline) => setTimes({ ...times, deadline })} />
-        <TextField label="Effects revealed from" kind="datetime-local" value={times.reveal} set={(reveal) => setTimes({ ...times, reveal })} />
-      </Group>
-      <Group title="Hidden, drawn for each student">
-        {hidden.map((draft, i) => <HiddenFields draft={draft} set={(next) => setHidden(hidden.map((old, k) => (k === i ? next : old)))} remove={() => setHidden(hidden.filter((_, k) => k !== i))} />)}
-        <SelectField label="Add an effect" value="" set={(kind) => kind && setHidden([...hidden, draftOf(kind, rig)])} options={[{ value: "", text: "–" }, ...HIDDEN_ROWS.filter((row) => !hidden.some((draft) => draft.row.kind === row.kind)).map((row) => ({ value: row.kind }))]} />
-      </Group>
-      <ChoiceFields rig={rig} choices={choices} set={setChoices} />
-      <Group title="Points">
-        {(Object.keys(POINTS) as (keyof typeof POINTS)[]).map((key) => <NumberField label={`Points for ${key === "kind" ? "kinds" : key === "place" ? "places" : key === "size" ? "sizes" : "words"}`} value={points[key]} set={(value) => setPoints({ ...points, [key]: value })} min={0} max={100} />)}
-        <NumberField label="A size is right within" unit="%" value={tolerance} set={setTolerance} min={0} max={100} />
-      </Group>
-      {problem && <ProblemNote problem={problem} />}
-      <button type="button" class="primary" disabled={!title.trim()} onClick={create}>Hand out the assignment</button>
-    </div>
+    <>
+      <div class="form-groups">
+        <Group title="Test">
+          <TextField label="Title" value={title} set={setTitle} />
+          <p class="hint">{`${name}, driven at ${rig.drive}, ${rig.responses.length} responses, ${rig.nLines} lines to ${rig.frequencyMax} Hz: as set up in step 1.`}</p>
+          {(Object.keys(NUMBERS) as (keyof typeof NUMBERS)[]).map((key) => <NumberField label={key === "quota" ? "Tests of each student" : "Answers of each student"} value={numbers[key]} set={(value) => setNumbers({ ...numbers, [key]: value })} min={1} max={100} whole />)}
+          <SelectField label="Diagnosis" value={diagnosis} set={setDiagnosis} options={[{ value: "off", text: "not allowed" }, { value: "on", text: "allowed" }, { value: "after_deadline", text: "after the deadline" }]} />
+          <TextField label="Deadline" kind="datetime-local" value={times.deadline} set={(deadline) => setTimes({ ...times, deadline })} />
+          <TextField label="Effects revealed from" kind="datetime-local" value={times.reveal} set={(reveal) => setTimes({ ...times, reveal })} />
+        </Group>
+        <Group title="Hidden, drawn for each student">
+          {hidden.map((draft, i) => <HiddenFields draft={draft} set={(next) => setHidden(hidden.map((old, k) => (k === i ? next : old)))} remove={() => setHidden(hidden.filter((_, k) => k !== i))} />)}
+          <SelectField label="Add an effect" value="" set={(kind) => kind && setHidden([...hidden, draftOf(kind, rig)])} options={[{ value: "", text: "–" }, ...HIDDEN_ROWS.filter((row) => !hidden.some((draft) => draft.row.kind === row.kind)).map((row) => ({ value: row.kind }))]} />
+        </Group>
+        <ChoiceFields rig={rig} choices={choices} set={setChoices} />
+        <Group title="Points">
+          {(Object.keys(POINTS) as (keyof typeof POINTS)[]).map((key) => <NumberField label={`Points for ${key === "kind" ? "kinds" : key === "place" ? "places" : key === "size" ? "sizes" : "words"}`} value={points[key]} set={(value) => setPoints({ ...points, [key]: value })} min={0} max={100} />)}
+          <NumberField label="A size is right within" unit="%" value={tolerance} set={setTolerance} min={0} max={100} />
+        </Group>
+        {problem && <ProblemNote problem={problem} />}
+        <button type="button" class="primary" disabled={!title.trim()} onClick={create}>Hand out the assignment</button>
+      </div>
+      <Actions python={() => program(assignmentLines(body()))} />
+    </>
   );
 }
 

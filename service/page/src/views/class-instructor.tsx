@@ -9,6 +9,7 @@ import { Empty, Loading, ProblemNote } from "../parts/notes";
 import { type State, go } from "../state";
 import { asProblem, usePolled } from "../use";
 import { AssignmentForm } from "./assignment-form";
+import { LinksOf } from "./class-links";
 import { MarksTable } from "./marks";
 
 const WATCHED = 5000; // ms between two looks at the table
@@ -39,6 +40,7 @@ export function InstructorView({ state }: { state: State }) {
           <Group title="Class"><SelectField label="Name" value={entered!.id} set={(id) => go({ c: id, a: undefined })} options={mine.value.map((one) => ({ value: one.id, text: one.name }))} /></Group>
         )}
         {entered && <KeysOf key={entered.id} entered={entered} />}
+        {entered && <LinksOf key={`links/${entered.id}`} entered={entered} />}
         <NewClass made={(id) => { mine.again(); go({ c: id, a: undefined }); }} />
       </aside>
     </div>

@@ -3,8 +3,10 @@
 import { useCallback, useState } from "preact/hooks";
 import { type Assignment, type Limits, assignments, firstOf, isOver, timeText, trialOf, valueAt } from "../class";
 import { placeText, words } from "../format";
+import { Actions } from "../parts/actions";
 import { Group, NumberField, SelectField } from "../parts/fields";
 import { Empty, Loading, ProblemNote, WorkNote } from "../parts/notes";
+import { program, trialLines } from "../python";
 import { type State, address, go } from "../state";
 import { type Work, usePolled, useWork } from "../use";
 import { AnswerForm } from "./answer-form";
@@ -82,6 +84,7 @@ function Trial({ assignment, left, work }: { assignment: Assignment; left: numbe
       <button type="button" class="primary wide" disabled={work.busy || left < 1 || isOver(assignment)} onClick={() => work.start(`/assignments/${assignment.id}/measurements`, trialOf(chosen))}>
         {work.busy ? "Measuring …" : left < 1 ? "No tests left" : "Measure"}
       </button>
+      <Actions python={() => program(trialLines(assignment.id, trialOf(chosen)))} />
     </Group>
   );
 }

@@ -4,6 +4,7 @@ import { short, words } from "../format";
 import { file } from "../api";
 import { type Assignment, type StudentMarks, type Submission, timeText } from "../class";
 import { Actions } from "../parts/actions";
+import { marksLines, program } from "../python";
 
 export function MarksOf({ submission }: { submission: Submission }) {
   const { marks, points, maximum } = submission.marks;
@@ -54,7 +55,7 @@ export function MarksTable({ assignment, rows }: { assignment: Assignment; rows:
           </tbody>
         </table>
       </div>
-      <Actions downloads={[{ text: "Marks, CSV", name: "marks.csv", from: () => file(`/assignments/${assignment.id}/marks`, "text/csv") }]} />
+      <Actions downloads={[{ text: "Marks, CSV", name: "marks.csv", from: () => file(`/assignments/${assignment.id}/marks`, "text/csv") }]} python={() => program(marksLines(assignment.id))} />
     </>
   );
 }
