@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from modallab_client import load
-from tests.pages import DOCS, run_page
+from tests.pages import DOCS, outcomes
 
 
 def check(names: dict[str, Any]) -> None:
@@ -26,5 +26,25 @@ def check(names: dict[str, Any]) -> None:
     np.testing.assert_array_equal(names["again"].values, names["test"].values)
 
 
+def check_other_programs(names: dict[str, Any]) -> None:
+    """Compare what goes to other programs and comes back with the test."""
+    test = names["test"]
+    assert names["frf"].shape == (len(test.outputs), len(test.freq))
+    np.testing.assert_array_equal(names["from_rows"], test.values)
+    assert names["ordinate"].shape == (*test.values.shape[1:], len(test.freq))
+    assert names["node"][:, 0, 0].tolist() == list(range(1, 22, 2))
+    assert names["direction"].tolist() == [[[2, 2]]] * 11
+    assert names["numbered"]("12:-Z") == (12, -3)
+    assert names["dof"]("12Z-") == "12:-Z"
+    np.testing.assert_array_equal(names["values"], test.values)
+    table = names["df_chn"].set_index("Name")
+    assert table.loc["7:+Y", ["Direction_1", "Direction_2", "Direction_3"]].tolist() == [0, 1, 0]
+    assert table.Position_1.tolist() == [
+        names["layout"].nodes[int(dof.split(":")[0])][0] for dof in test.outputs
+    ]
+    assert names["channels"](["7:-Y"]).Direction_2.tolist() == [-1]
+
+
 def test_the_blocks_make_what_the_page_says(tmp_path: Path) -> None:
-    run_page("client.md", tmp_path, check)
+    failures = outcomes("client.md", tmp_path, [check, check_other_programs])
+    assert not any(failures.values()), "\n".join(failures.values())
