@@ -38,10 +38,12 @@ def make_engine(url: str, *, schema: str) -> sa.Engine:
     parsed = sa.make_url(url)
     if parsed.get_backend_name() == "sqlite":
         return _sqlite_engine(parsed)
+    server = {"search_path": schema, "tcp_user_timeout": _UNANSWERED}
+    server |= {f"tcp_{name}": value for name, value in _PROBES.items()}
     return sa.create_engine(
         parsed.set(drivername="postgresql+psycopg"),
         connect_args={
-            "options": " ".join([f"-csearch_path={schema}", *(f"-ctcp_{k}={v}" for k, v in _PROBES.items())]),
+            "options": " ".join(f"-c{name}={value}" for name, value in server.items()),
             "connect_timeout": _CONNECT_TIMEOUT,
             "tcp_user_timeout": _UNANSWERED,
             **_PROBES,

@@ -22,5 +22,8 @@ def test_a_server_soon_notices_that_a_host_was_cut_off(tmp_path: Path) -> None:
                 )
                 for name in ("idle", "interval", "count")
             )
+            unanswered = sa.text("SELECT setting FROM pg_settings WHERE name = 'tcp_user_timeout'")
+            milliseconds = int(connection.execute(unanswered).scalar_one())
         engine.dispose()
         assert 0 < idle + interval * count <= NOTICED  # 0 is two hours
+        assert 0 < milliseconds <= 1e3 * NOTICED  # probes wait while something is unacknowledged
