@@ -15,7 +15,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 DOCKERFILE = ROOT / "docker" / "Dockerfile"
-NOT_FOLLOWED = ("FROM", "VOLUME", "EXPOSE")  # they say what an engine does; no file comes of them
+NOT_FOLLOWED = ("ARG", "FROM", "VOLUME", "EXPOSE")  # they say what an engine does; no file comes of them
 
 
 def instructions(text: str) -> list[tuple[str, str]]:

@@ -1,5 +1,6 @@
 """Who sends a request, and what their key allows."""
 
+from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from typing import Annotated, Any
 
@@ -30,6 +31,16 @@ async def _caller(request: Request) -> Caller:
 
 
 CallerDep = Annotated[Caller, Depends(_caller)]
+Verify = Callable[[], Awaitable[object]]
+
+
+async def _verify(request: Request) -> Verify:
+    """Return what raises `UnauthorisedError` once the key, or the session, of a request has ended."""
+    verify: Verify = request.state.verify
+    return verify
+
+
+VerifyDep = Annotated[Verify, Depends(_verify)]
 
 
 async def _person(caller: CallerDep) -> None:

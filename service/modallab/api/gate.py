@@ -7,6 +7,7 @@ this machine (`Host`), nor by a request that a browser says comes from elsewhere
 
 import hmac
 from collections.abc import Collection
+from functools import partial
 from urllib.parse import urlsplit
 
 import sqlalchemy as sa
@@ -64,6 +65,7 @@ class Gate:
         if scope["type"] != "http" or not scope["path"].startswith(_GUARDED):
             await self._app(scope, receive, send)
             return
+        state = scope.setdefault("state", {})
         try:
             caller = await self._caller(scope)
         except (ModalLabError, DBAPIError, sa.exc.TimeoutError, OSError) as error:
@@ -72,7 +74,7 @@ class Gate:
         if caller is None:
             await self._app(scope, receive, send)
             return
-        scope.setdefault("state", {})["caller"] = caller
+        state |= {"caller": caller, "verify": partial(self._caller, scope)}
         with structlog.contextvars.bound_contextvars(owner=caller.viewer.owner):
             await self._app(scope, receive, send)
 

@@ -1,6 +1,6 @@
 """Jobs: status, event stream and cancellation."""
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from functools import partial
 from hashlib import sha256
 from typing import Annotated, Any, Literal
@@ -10,13 +10,14 @@ from fastapi import APIRouter, Header, Query, status
 from starlette.responses import StreamingResponse
 
 from modallab.api import problems
+from modallab.api.access import Verify, VerifyDep
 from modallab.api.deps import After, IdPath, JobsDep, Limit, OwnerWanted, ViewerDep
 from modallab.api.limits import JOB_STREAM
 from modallab.api.replies import reply
 from modallab.api.wire import Reply
-from modallab.jobs.runner import Job, JobRunner, JobState
+from modallab.jobs.runner import Job, JobState
 from modallab.jobs.tasks import DIAGNOSIS, EXTRACTION, MEASUREMENT, SEALED_MEASUREMENT, STUDY, UPDATE
-from modallab.store.viewer import Viewer
+from modallab.store.base import UnauthorisedError
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])
 LastEventId = Annotated[
@@ -125,31 +126,36 @@ def cancel_job(id: IdPath, jobs: JobsDep, viewer: ViewerDep) -> Any:
 
 @router.get("/{id}/events", response_class=StreamingResponse, responses=_EVENTS, summary="Follow a job")
 async def stream_job(
-    id: IdPath, jobs: JobsDep, viewer: ViewerDep, last_event_id: LastEventId = None
+    id: IdPath, jobs: JobsDep, viewer: ViewerDep, verify: VerifyDep, last_event_id: LastEventId = None
 ) -> StreamingResponse:
     """Return a stream of server-sent events, one a change, each with the job as JSON.
 
-    A stream that goes on after `Last-Event-ID` does not repeat that event.
+    A stream that goes on after `Last-Event-ID` does not repeat that event. It ends soon after its key has
+    been revoked, or its session closed.
     """
     first = await to_thread.run_sync(
         partial(jobs.get, id, viewer=viewer)
     )  # an unknown id is a 404, no stream
     headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
-    return StreamingResponse(
-        _events(jobs, viewer, first, last_event_id), media_type="text/event-stream", headers=headers
-    )
+    events = _events(partial(jobs.get, id, viewer=viewer), verify, first, last_event_id)
+    return StreamingResponse(events, media_type="text/event-stream", headers=headers)
 
 
-async def _events(jobs: JobRunner, viewer: Viewer, job: Job, seen: str | None) -> AsyncIterator[str]:
-    look = partial(jobs.get, job.id, viewer=viewer)
+async def _events(look: Callable[[], Job], verify: Verify, job: Job, seen: str | None) -> AsyncIterator[str]:
     if job.state.final or seen != _event_id(job):
         yield _event(job)
-    silent = 0.0
+    silent = unverified = 0.0
     while not job.state.final:
         # Whoever is far from the front need not look often: a class that waits would keep the service busy.
         pause = min(JOB_STREAM.polling_interval * (job.place or 1), JOB_STREAM.longest_interval)
         await sleep(pause)
-        silent += pause
+        silent, unverified = silent + pause, unverified + pause
+        if unverified >= JOB_STREAM.verification_interval:
+            unverified = 0.0
+            try:
+                await verify()
+            except UnauthorisedError:
+                return
         previous, job = job, await to_thread.run_sync(look)
         if job != previous:
             silent = 0.0

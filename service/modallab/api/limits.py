@@ -134,6 +134,12 @@ class JobStreamSettings(Settings):
         doc="silence after which a comment is sent",
         derived="shorter than the silence after which proxies close a stream",
     )
+    verification_interval: float = setting(
+        5.0,
+        unit="s",
+        doc="time between two looks at the key, or the session, that opened a stream",
+        derived="a look at a key for fifty at the job; what is revoked ends while one waits for it",
+    )
     retry_after: int = setting(
         5, unit="s", doc="`Retry-After` of a full queue", derived="about the length of a short job"
     )

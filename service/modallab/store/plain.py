@@ -2,11 +2,11 @@
 
 import math
 import types
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import fields, is_dataclass
 from enum import Enum
-from functools import cache
-from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+from functools import cache, partial
+from typing import Any, Literal, Self, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +35,14 @@ def from_plain(cls: type[T], tree: Json, arrays: Mapping[str, NDArray[Any]]) -> 
     StoredDataError
         If the tree does not fit the type's annotations.
     """
-    value: T = _decode(cls, tree, arrays, cls.__name__)
+    try:
+        decode: _Decoder = _decoder(cast(Any, cls))
+        value: T = decode(tree, arrays)
+    except _Misfit as misfit:
+        path = f"{cls.__name__}{misfit.path}"
+        raise StoredDataError(
+            f"{path} is not of its type", field=path, allowed=str(misfit.expected)
+        ) from None
     return value
 
 
@@ -74,45 +81,76 @@ def _encode_mapping(value: Mapping[Any, Any], path: str, arrays: Arrays) -> Json
     return {_PAIRS: [[_encode(k, path, arrays), _encode(v, f"{path}.{i}", arrays)] for i, (k, v) in pairs]}
 
 
+class _Misfit(Exception):
+    """Tells that a tree does not fit an annotation; each level puts its name before the path."""
+
+    def __init__(self, expected: object) -> None:
+        super().__init__(expected)
+        self.expected, self.path = expected, ""
+
+    def within(self, name: object) -> Self:
+        """Return this, raised below `name`."""
+        self.path = f".{name}{self.path}"
+        return self
+
+
+# Annotations are read once: what is stored has thousands of values of a dozen types.
+_Decoder = Callable[[Json, Mapping[str, NDArray[Any]]], Any]
+
+
 @cache
-def _hints(cls: type) -> dict[str, Any]:
-    return get_type_hints(cls)
+def _decoder(hint: Any) -> _Decoder:
+    """Return the function that makes values of a type."""
+    of_type = _decoder_by_kind(hint)
+
+    def decode(tree: Json, arrays: Mapping[str, NDArray[Any]]) -> Any:
+        if isinstance(tree, dict) and len(tree) == 1:
+            if _ARRAY in tree:
+                return arrays[tree[_ARRAY]]
+            if _COMPLEX in tree:
+                return complex(*tree[_COMPLEX])
+            if _FLOAT in tree:
+                return float(tree[_FLOAT])
+        return of_type(tree, arrays)
+
+    return decode
 
 
-def _misfit(path: str, expected: object) -> StoredDataError:
-    return StoredDataError(f"{path} is not of its type", field=path, allowed=str(expected))
-
-
-def _decode(hint: Any, tree: Json, arrays: Mapping[str, NDArray[Any]], path: str) -> Any:  # noqa: PLR0911 - one return for each kind of type
-    if isinstance(tree, dict) and len(tree) == 1:
-        if _ARRAY in tree:
-            return arrays[tree[_ARRAY]]
-        if _COMPLEX in tree:
-            return complex(*tree[_COMPLEX])
-        if _FLOAT in tree:
-            return float(tree[_FLOAT])
+def _decoder_by_kind(hint: Any) -> _Decoder:
     origin = get_origin(hint)
     if origin in (Union, types.UnionType):
-        return _decode_union(get_args(hint), tree, arrays, path)
+        return _union_decoder(get_args(hint))
     if origin is Literal:
+        return _literal_decoder(hint)
+    if origin is not None:
+        return _container_decoder(origin, get_args(hint))
+    return partial(_decode_dataclass if is_dataclass(hint) else _decode_scalar, hint)
+
+
+def _union_decoder(options: tuple[Any, ...]) -> _Decoder:
+    decoders = [_decoder(option) for option in options]
+    expected = " | ".join(map(str, options))
+
+    def decode(tree: Json, arrays: Mapping[str, NDArray[Any]]) -> Any:
+        if tree is None and type(None) in options:
+            return None
+        for decoder in decoders:
+            try:
+                return decoder(tree, arrays)
+            except _Misfit:
+                continue
+        raise _Misfit(expected)
+
+    return decode
+
+
+def _literal_decoder(hint: Any) -> _Decoder:
+    def decode(tree: Json, _arrays: Mapping[str, NDArray[Any]]) -> Any:
         if tree in get_args(hint):
             return tree
-    elif origin is not None:
-        return _decode_container(origin, get_args(hint), tree, arrays, path)
-    elif is_dataclass(hint):
-        return _decode_dataclass(hint, tree, arrays, path)
-    else:
-        return _decode_scalar(hint, tree, path)
-    raise _misfit(path, hint)
+        raise _Misfit(hint)
 
-
-def _decode_union(options: tuple[Any, ...], tree: Json, arrays: Mapping[str, NDArray[Any]], path: str) -> Any:
-    for option in options:
-        try:
-            return _decode(option, tree, arrays, path)
-        except StoredDataError:
-            continue
-    raise _misfit(path, " | ".join(map(str, options)))
+    return decode
 
 
 def _class_named(cls: type, name: object) -> type | None:
@@ -126,39 +164,80 @@ def _class_named(cls: type, name: object) -> type | None:
     return None
 
 
-def _decode_dataclass(cls: Any, tree: Json, arrays: Mapping[str, NDArray[Any]], path: str) -> Any:
+@cache
+def _field_decoders(cls: Any) -> dict[str, _Decoder]:
+    hints = get_type_hints(cls)
+    return {field.name: _decoder(hints[field.name]) for field in fields(cls) if field.init}
+
+
+def _decode_dataclass(cls: Any, tree: Json, arrays: Mapping[str, NDArray[Any]]) -> Any:
     stored_class = _class_named(cls, tree.get(_TYPE)) if isinstance(tree, dict) else None
     if stored_class is None:
-        raise _misfit(path, cls.__name__)
-    cls = stored_class
-    hints = _hints(cls)
-    names = {field.name for field in fields(cls) if field.init}
-    if unknown := set(tree) - names - {_TYPE}:
-        raise _misfit(f"{path}.{min(unknown)}", f"a field of {cls.__name__}")
-    values = {name: _decode(hints[name], tree[name], arrays, f"{path}.{name}") for name in names & set(tree)}
-    return cls(**values)
+        raise _Misfit(cls.__name__)
+    decoders = _field_decoders(stored_class)
+    values = {}
+    for name, value in tree.items():
+        if name == _TYPE:
+            continue
+        if name not in decoders:
+            raise _Misfit(f"a field of {stored_class.__name__}").within(name)
+        values[name] = _decode_at(name, decoders[name], value, arrays)
+    return stored_class(**values)
 
 
-def _decode_container(
-    origin: Any, options: tuple[Any, ...], tree: Json, arrays: Mapping[str, NDArray[Any]], path: str
-) -> Any:
+def _decode_at(name: object, decoder: _Decoder, tree: Json, arrays: Mapping[str, NDArray[Any]]) -> Any:
+    try:
+        return decoder(tree, arrays)
+    except _Misfit as misfit:
+        raise misfit.within(name) from None
+
+
+def _container_decoder(origin: Any, options: tuple[Any, ...]) -> _Decoder:
     if issubclass(origin, Mapping):
-        if not isinstance(tree, dict):
-            raise _misfit(path, origin)
-        key, item = options
-        entries = tree[_PAIRS] if _PAIRS in tree else tree.items()
-        return {_decode(key, k, arrays, path): _decode(item, v, arrays, f"{path}.{k}") for k, v in entries}
-    if not isinstance(tree, list):
-        raise _misfit(path, origin)
+        return _mapping_decoder(origin, *options)
     if origin is tuple and not (len(options) == 2 and options[1] is Ellipsis):
-        if len(options) != len(tree):
-            raise _misfit(path, options)
-        pairs = zip(options, tree, strict=True)
-        return tuple(_decode(o, v, arrays, f"{path}.{i}") for i, (o, v) in enumerate(pairs))
-    return origin(_decode(options[0], v, arrays, f"{path}.{i}") for i, v in enumerate(tree))
+        return _tuple_decoder(options)
+    if not issubclass(origin, (tuple, list, frozenset)):  # an array, which has a mark
+        return partial(_refuse, origin)
+    decoder = _decoder(options[0])
+
+    def decode(tree: Json, arrays: Mapping[str, NDArray[Any]]) -> Any:
+        if not isinstance(tree, list):
+            raise _Misfit(origin)
+        return origin(_decode_at(i, decoder, item, arrays) for i, item in enumerate(tree))
+
+    return decode
 
 
-def _decode_scalar(hint: Any, tree: Json, path: str) -> Any:
+def _mapping_decoder(origin: Any, key_hint: Any, item_hint: Any) -> _Decoder:
+    key_decoder, item_decoder = _decoder(key_hint), _decoder(item_hint)
+
+    def decode(tree: Json, arrays: Mapping[str, NDArray[Any]]) -> Any:
+        if not isinstance(tree, dict):
+            raise _Misfit(origin)
+        entries = tree[_PAIRS] if _PAIRS in tree else tree.items()
+        return {key_decoder(key, arrays): _decode_at(key, item_decoder, v, arrays) for key, v in entries}
+
+    return decode
+
+
+def _tuple_decoder(options: tuple[Any, ...]) -> _Decoder:
+    decoders = [_decoder(option) for option in options]
+
+    def decode(tree: Json, arrays: Mapping[str, NDArray[Any]]) -> Any:
+        if not isinstance(tree, list) or len(tree) != len(decoders):
+            raise _Misfit(options)
+        pairs = zip(decoders, tree, strict=True)
+        return tuple(_decode_at(i, decoder, item, arrays) for i, (decoder, item) in enumerate(pairs))
+
+    return decode
+
+
+def _refuse(expected: Any, _tree: Json, _arrays: Mapping[str, NDArray[Any]]) -> Any:
+    raise _Misfit(expected)
+
+
+def _decode_scalar(hint: Any, tree: Json, _arrays: Mapping[str, NDArray[Any]]) -> Any:
     if hint in (Any, object):
         return tree
     if hint is float and isinstance(tree, (int, float)) and not isinstance(tree, bool):
@@ -169,4 +248,4 @@ def _decode_scalar(hint: Any, tree: Json, path: str) -> Any:
         return None
     if isinstance(hint, type) and type(tree) is hint:
         return tree
-    raise _misfit(path, hint)
+    raise _Misfit(hint)

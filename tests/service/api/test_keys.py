@@ -5,7 +5,12 @@ import io
 from typing import Any
 
 import pytest
+from anyio import to_thread
 
+from modallab.api.app import job_book
+from modallab.api.limits import JOB_STREAM
+from modallab.store.keys import Role
+from modallab.store.viewer import EVERYONE
 from tests.service.api.authorisation import BEAM, RIG, School, open_school
 
 TABLE = "number,name\r\n1,Müller\r\n2,a student\r\n"
@@ -149,6 +154,40 @@ def test_a_cookie_stands_for_the_key_until_it_is_signed_out(school: School) -> N
     assert out.status_code == 204
     assert "Max-Age=0" in out.headers["set-cookie"]
     assert school.service.request("GET", "/v1/structures", headers=cookie).status_code == 401
+
+
+@pytest.mark.parametrize("ending", ["revoked", "rotated", "signed out", "none"])
+def test_a_stream_ends_soon_after_its_key_or_session(
+    school: School, ending: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    keys, send = school.service.app.state.keys, school.service.request
+    new = keys.create(ending, Role.STUDENT)
+    bearer = {"Authorization": f"Bearer {new.text}"}
+    opened = send("POST", "/v1/sessions", json={"key": new.text}).headers["set-cookie"].split("; ")[0]
+    cookie = {"Cookie": opened}
+    endings = {
+        "revoked": lambda: keys.revoke(new.key.id, viewer=EVERYONE),
+        "rotated": lambda: keys.rotate(new.key.id, viewer=EVERYONE),
+        "signed out": lambda: send("DELETE", "/v1/sessions", headers=cookie),
+        "none": lambda: None,
+    }
+    book = job_book(school.service.app.state.settings)
+    job = book.open("measure_and_store", {}, owner=new.key.id)
+    book.start(job.id)
+    pauses = 0
+
+    async def pause(seconds: float) -> None:
+        nonlocal pauses
+        pauses += 1
+        if pauses == 1:
+            await to_thread.run_sync(endings[ending])
+        if pauses * seconds > 2 * JOB_STREAM.verification_interval:
+            book.cancel(job.id)
+
+    monkeypatch.setattr("modallab.api.jobs.sleep", pause)
+    followed = send("GET", f"/v1/jobs/{job.id}/events", headers=cookie if ending == "signed out" else bearer)
+    assert '"state":"running"' in followed.text
+    assert ('"state":"cancelled"' in followed.text) is (ending == "none")
 
 
 def test_a_key_in_the_header_opens_a_session_too(school: School) -> None:

@@ -88,6 +88,14 @@ def test_what_does_not_fit_the_type_is_refused(tree: Any) -> None:
         from_plain(Leaf, tree, {})
 
 
+def test_a_value_that_does_not_fit_is_named_by_its_path() -> None:
+    tree, arrays = to_plain(Tree((Leaf(1.0),), (3, True), {}, {"a": 0.1}, Colour.RED, "a", 1j))
+    tree["pair"] = [3, "yes"]
+    with pytest.raises(StoredDataError, match=r"Tree\.pair\.1 is not") as refused:
+        from_plain(Tree, tree, arrays)
+    assert refused.value.context["field"] == "Tree.pair.1"
+
+
 def test_what_has_no_plain_form_is_refused() -> None:
     with pytest.raises(TypeError, match="object"):
         to_plain(object())
