@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.dof import Dof
+from modallab.correlation.evidence import Evidence
+from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.effects.leakage import Leakage
 from modallab.estimation.coherence import coherence
 from modallab.estimation.estimator import ESTIMATORS
@@ -133,3 +136,30 @@ def test_shares_that_do_not_repeat_leave_the_product_of_what_does() -> None:
     # A random force has nothing left that could leak.
     random = chain(oscillator.system(), rig_with("hann", "random", 101), [Leakage(share=0.5)])
     assert random.source.continuous == 1.0
+
+
+def test_it_is_suspected_where_noise_that_is_fitted_hides_the_drop() -> None:
+    # Free noise of the force is fitted to the low coherence at resonances: there too little of it is left.
+    freq = np.linspace(2.0, 800.0, 41)
+    near = np.exp(-(((freq - 300.0) / 20.0) ** 2))[:, None]
+    evidence = Evidence(
+        freq=freq,
+        outputs=(Dof(1, "Y"),),
+        drive=Dof(1, "Y"),
+        frf=near.astype(complex),
+        force=None,
+        response=None,
+        coherence_drop=-1e-3 * near,
+        weight=np.ones((41, 1)),
+        mode_frequency=np.array([300.0]),
+        frequency_shift=np.zeros(1),
+        response_amplitude=np.ones((1, 1)),
+    )
+    assert Leakage.signature(evidence) > DIAGNOSIS.least_suspicion
+
+
+def test_it_has_no_place_where_nothing_repeats_as_declared() -> None:
+    places = [
+        Leakage.places(oscillator.system(), rig_with("hann", kind, 101)) for kind in ("random", "chirp")
+    ]
+    assert [len(each) for each in places] == [0, 1]

@@ -37,6 +37,8 @@ class CoarsePrediction:
     """Measured spectra at the coarse lines."""
     predict: Callable[[Sequence[Effect]], Predicted]
     """Return the expected spectra at the coarse lines with all these effects."""
+    known_derivatives: FloatArray | None = None
+    """Derivatives of `nuisances` of a prediction much like this one; None: they are computed."""
 
     def subsampled(self, stride: int) -> "CoarsePrediction":
         """Return the prediction compared at one of `stride` lines per channel, shifted between channels."""
@@ -67,22 +69,27 @@ class CoarsePrediction:
         """Nuisance parameters beside a candidate: those of the base effects, then those of tolerances."""
         parameters, position = ParameterVector(self.base), self.predictor.position
         n, prior = len(parameters), self.observed.correlation_length * np.ones(len(position))
-        blocks = [self.derivatives] if len(position) else []
-        if n:
-            base = self._vector(self.predict(self.base))
-            perturbed = parameters.perturbed(parameters.start)
-            columns = [(self._vector(self.predict(effects)) - base) / step for effects, step in perturbed]
-            blocks.insert(0, np.array(columns).T)
         reach, limit = NUISANCE.parameter_range, self.predictor.nuisances.limits
         start = parameters.start
         low, high = np.clip([parameters.low - start, parameters.high - start], -reach, reach)
+        known = self.known_derivatives
         return LinearNuisances(
-            np.hstack(blocks) if blocks else np.zeros((0, 0)),
+            self._nuisance_derivatives(parameters) if known is None else known,
             np.concatenate([np.zeros(n), position]),
             np.concatenate([np.full(n, 1 / reach**2), prior]),
             np.concatenate([low, -limit]),
             np.concatenate([high, limit]),
         )
+
+    def _nuisance_derivatives(self, parameters: ParameterVector) -> FloatArray:
+        """Return the derivatives (n_residuals, n) by parameters of the base effects, then by tolerances."""
+        blocks = [self.derivatives] if len(self.predictor.position) else []
+        if len(parameters):
+            base = self._vector(self.predict(self.base))
+            perturbed = parameters.perturbed(parameters.start)
+            columns = [(self._vector(self.predict(effects)) - base) / step for effects, step in perturbed]
+            blocks.insert(0, np.array(columns).T)
+        return np.hstack(blocks) if blocks else np.zeros((0, 0))
 
     def project_out(self, vectors: FloatArray, noise_inflation: float) -> FloatArray:
         """Return weighted residuals less the part that nuisance parameters explain.

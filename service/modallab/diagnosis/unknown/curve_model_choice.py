@@ -53,6 +53,7 @@ def choose_curve_model(
     lines: LineByLine,
     influences: Influences,
     place: UnknownPlace,
+    step: FloatArray,
     freq: FloatArray,
     smooth: tuple[SmoothCurve, float],
     scale: float,
@@ -65,6 +66,9 @@ def choose_curve_model(
 
     Parameters
     ----------
+    step
+        (n,) of the nuisance parameters beside a cause of any curve: no motion of a DoF that may drive the
+        force changes which force it is.
     freq
         (n_freq,) Hz, of the lines.
     smooth
@@ -72,17 +76,16 @@ def choose_curve_model(
     scale
         Mean square of residuals that errors of the model leave.
     """
-    offset = 0.0 if isinstance(place.at, Dof) else 1.0
     candidates = sorted(
-        _estimates(lines, influences, place, freq, offset), key=lambda candidate: candidate[0].chi_square
+        _estimates(lines, influences, place, step, freq), key=lambda candidate: candidate[0].chi_square
     )
-    n_data, n_sources = 2 * int(lines.mask.sum()), len(influences.sources(place.at))
+    n_data, n_sources = lines.n_data, len(influences.sources(place.at))
     without = lines.best_square(influences.of(place), np.zeros(len(freq), complex))
     as_good = smooth[1] + UNKNOWN.model_share * max(without - smooth[1], 0.0)
     cost = smooth[0].n_parameters * float(np.log(n_data))
     best, least = None, max(smooth[1] / scale + cost, as_good / scale)
     for nearest, influence, source in candidates[: UNKNOWN.refined_models]:
-        found = fit_curve_model(lines, influence, nearest, freq, offset=offset, scale=scale)
+        found = fit_curve_model(lines, influence, nearest, freq, offset=_offset(place), scale=scale)
         if found is None:
             continue
         bic = found.chi_square / scale + len(found.parameters) * float(np.log(n_data))
@@ -94,9 +97,10 @@ def choose_curve_model(
 
 
 def _estimates(
-    lines: LineByLine, influences: Influences, place: UnknownPlace, freq: FloatArray, offset: float
+    lines: LineByLine, influences: Influences, place: UnknownPlace, step: FloatArray, freq: FloatArray
 ) -> Iterator[_Candidate]:
     """Yield each model near the curve of the cause, for each motion that may drive it."""
+    offset = _offset(place)
     sources: Sequence[Dof | None] = influences.sources(place.at)
     for source in sources:
         models: Sequence[CurveModel] = FEEDBACK_MODELS
@@ -105,7 +109,7 @@ def _estimates(
         elif source == place.at:
             models = STIFFNESS_MODELS
         influence = influences.driven_by(place, source)
-        found = lines.fit(influence)
+        found = lines.fit(influence, step)
         told = np.isfinite(found.error) & (freq > 0)
         z, error = found.z[told] + offset, found.error[told]
         error = np.hypot(error, UNKNOWN.model_error * np.abs(z))
@@ -113,3 +117,8 @@ def _estimates(
             nearest = estimate(model, 2 * np.pi * freq[told], z, error)
             if nearest is not None:
                 yield nearest, influence, source
+
+
+def _offset(place: UnknownPlace) -> float:
+    """Return what a model has more than the cause: of a gain, whose cause is its change, 1."""
+    return 0.0 if isinstance(place.at, Dof) else 1.0

@@ -1,6 +1,7 @@
 """Fits of an unknown cause at one place: a free complex number at every line, beside nuisance parameters."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy
@@ -87,20 +88,37 @@ class LineByLine:
         told = self.mask.sum(axis=1)
         return int(2 * np.maximum(told - 1, 0).sum())
 
-    def fit(self, influence: Influence) -> LineFit:
-        """Return the best z at every line: Gauss-Newton with z eliminated line by line."""
-        z, step = self._start(influence), np.zeros(len(self.nuisances))
-        last = np.inf
-        for _ in range(UNKNOWN.max_steps):
+    @property
+    def n_data(self) -> int:
+        """Number of real residuals."""
+        return 2 * int(self.mask.sum())
+
+    def fit(
+        self,
+        influence: Influence,
+        kept_step: FloatArray | None = None,
+        *,
+        max_steps: int = UNKNOWN.max_steps,
+    ) -> LineFit:
+        """Return the best z at every line: Gauss-Newton with z eliminated line by line.
+
+        Parameters
+        ----------
+        kept_step
+            (n,) step of the nuisance parameters that is kept; None: they are fitted too.
+        max_steps
+            Steps at most.
+        """
+        z, last = self._start(influence), np.inf
+        step = np.zeros(len(self.nuisances)) if kept_step is None else kept_step
+        for _ in range(max_steps):
             residual = self.residual(influence, z) + self.slopes @ step
             slope = self.slope_of(influence, z)
             size = (np.abs(slope) ** 2).sum(axis=1) + SAFE_SQUARED_DIVISOR
-            remainder = residual - slope * ((slope.conj() * residual).sum(axis=1) / size)[:, None]
-            share = np.einsum("kc,kcn->kn", slope.conj(), self.slopes) / size[:, None]
-            slopes = self.slopes - slope[:, :, None] * share[:, None, :]
-            change = self.nuisance_step(remainder, slopes, step)
-            step = step + change
-            target = -(slope.conj() * (residual + self.slopes @ change)).sum(axis=1) / size
+            if kept_step is None:
+                change = self._step_beside(slope, size, residual, step)
+                step, residual = step + change, residual + self.slopes @ change
+            target = -(slope.conj() * residual).sum(axis=1) / size
             z, squares = self._line_search(influence, z, target, step)
             total = float(squares.sum()) + self._prior(step)
             if last - total < UNKNOWN.tolerance * max(1.0, total / max(self.n_freedom, 1)):
@@ -114,8 +132,31 @@ class LineByLine:
     def best_square(self, influence: Influence, z: ComplexArray) -> float:
         """Return the sum of squares at z (n_freq,), the prior included, with the best nuisance parameters."""
         residual, step = self.residual(influence, z), np.zeros(len(self.nuisances))
-        step = self.nuisance_step(residual, self.slopes, step)
+        step = self._nuisance_step(self._curvature, residual, step)
         return float((np.abs(residual + self.slopes @ step) ** 2).sum()) + self._prior(step)
+
+    @cached_property
+    def _curvature(self) -> FloatArray:
+        """(n, n): half the second derivatives of the sum of squares by the nuisance parameters."""
+        matrix = self.slopes[self.mask]
+        return np.asarray((matrix.conj().T @ matrix).real)
+
+    def _step_beside(
+        self, slope: ComplexArray, size: FloatArray, residual: ComplexArray, position: FloatArray
+    ) -> FloatArray:
+        """Return the step (n,) of the nuisance parameters where z follows it at every line.
+
+        Parameters
+        ----------
+        slope
+            (n_freq, n_frf), of the residuals by z.
+        size
+            (n_freq,), sums of its squares.
+        """
+        share = (slope.conj()[:, None, :] @ self.slopes)[:, 0]
+        curvature = self._curvature - ((share / size[:, None]).conj().T @ share).real
+        remainder = residual - slope * ((slope.conj() * residual).sum(axis=1) / size)[:, None]
+        return self._nuisance_step(curvature, remainder, position)
 
     def _start(self, influence: Influence) -> ComplexArray:
         """Return the best z (n_freq,) by linear least squares, `own` averaged over the FRFs."""
@@ -162,20 +203,31 @@ class LineByLine:
             frf = decorrelated_by_run(frf, observed.shared_noise, self.mask, observed.forces)
         return np.asarray(np.where(self.mask, frf, 0.0))
 
-    def nuisance_step(self, residual: ComplexArray, slopes: ComplexArray, position: FloatArray) -> FloatArray:
-        """Return the step (n,) of the nuisance parameters that reduces the residuals and the prior."""
+    def _nuisance_step(
+        self, curvature: FloatArray, residual: ComplexArray, position: FloatArray
+    ) -> FloatArray:
+        """Return the step (n,) of the nuisance parameters that reduces the residuals and the prior.
+
+        Parameters
+        ----------
+        curvature
+            (n, n), of the residuals.
+        """
         nuisances = self.nuisances
         if not len(nuisances):
             return np.zeros(0)
-        matrix, vector = slopes[self.mask], residual[self.mask]
-        curvature = (matrix.conj().T @ matrix).real + np.diag(nuisances.precision)
         now = nuisances.position + position
-        gradient = (matrix.conj().T @ vector).real + nuisances.precision * now
+        gradient = np.tensordot(self.slopes.conj(), residual, axes=((0, 1), (0, 1))).real
+        gradient = gradient + nuisances.precision * now
+        curvature = curvature + np.diag(nuisances.precision)
         size = np.sqrt(np.diag(curvature))
         root = scipy.linalg.cholesky(curvature / np.outer(size, size))
         target = scipy.linalg.solve_triangular(root, -gradient / size, trans=1)
-        box = (nuisances.low - now) * size, (nuisances.high - now) * size
-        return np.asarray(scipy.optimize.lsq_linear(root, target, box, method="bvls").x / size)
+        low, high = (nuisances.low - now) * size, (nuisances.high - now) * size
+        free = scipy.linalg.solve_triangular(root, target)
+        if ((free >= low) & (free <= high)).all():
+            return np.asarray(free / size)
+        return np.asarray(scipy.optimize.lsq_linear(root, target, (low, high), method="bvls").x / size)
 
     def _prior(self, step: FloatArray) -> float:
         return float(self.nuisances.precision @ (self.nuisances.position + step) ** 2)

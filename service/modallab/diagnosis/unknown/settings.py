@@ -12,6 +12,15 @@ class UnknownSettings(Settings):
     max_steps: int = setting(
         30, unit="steps", doc="Gauss-Newton steps of a fit line by line", derived="ends sooner"
     )
+    ranking_steps: int = setting(
+        4,
+        unit="steps",
+        doc="steps of the fits by which places are ranked",
+        derived="the cause is exact at its place, and nuisance parameters are nearly linear",
+    )
+    fitted_places: int = setting(
+        16, unit="places", doc="places of them that are fitted", derived="four times those refined"
+    )
     tolerance: float = setting(
         0.1, doc="gain in chi-square, over its mean, below which a fit ends", derived="far below one datum"
     )
@@ -61,7 +70,19 @@ class UnknownSettings(Settings):
         8, doc="places that are listed as not distinguishable", derived="a list that is read"
     )
     refinements: int = setting(
-        10, doc="linearisations of the nuisance parameters at the best places", derived="they are small"
+        25,
+        doc="linearisations about the nuisance parameters at the best places",
+        derived="each gains a third of what is left, or more",
+    )
+    refinement_gain: float = setting(
+        1.0,
+        doc="change of chi-square, over its mean, from one linearisation to the next at which they end",
+        derived="one datum; places differ by ten where they can be told apart",
+    )
+    remaining_gain: float = setting(
+        10.0,
+        doc="gain that is left at most at a place, over that of its last linearisation",
+        derived="a geometric series of nine tenths",
     )
     refined_places: int = setting(
         4,

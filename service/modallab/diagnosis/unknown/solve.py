@@ -62,9 +62,11 @@ def unknown_effect(predictor: Predictor, path: SearchPath) -> Unknown | None:
         bases.append((path.fit.effects, path.fit))
     solved = [_solved(predictor.tests[0], effects, start) for effects, start in bases]
     best, rivals = min(solved, key=lambda each: each[0].gap + UNKNOWN.cost_of_steps * len(each[0].accepted))
+    most_left = 1 + UNKNOWN.closed_share * (path.fit.residual.gaps(observed.fitted)["frf"] - 1)
+    if best.found.misfit / best.lines.n_data > most_left:  # no smooth curve leaves less
+        return None
     result = _result(best, rivals, path.fit if best.accepted else path.start)
-    left = path.fit.residual.gaps(observed.fitted)["frf"]
-    return result if result.gap_after - 1 < UNKNOWN.closed_share * (left - 1) else None
+    return result if result.gap_after < most_left else None
 
 
 def unknown_effect_at(predictor: SingleTestPredictor, start: Fit, place: UnknownPlace) -> Unknown:
@@ -89,17 +91,22 @@ def _solved(
         near = predictor.with_nuisances_at(start_position)
         lines = LineByLine(near.coarse_prediction(accepted))
         influences = Influences(near, accepted, near.coarse_lines)
-        for place in influences.places:
+        for place in _nearest(lines, influences):
             found = lines.fit(influences.of(place))
             if found.chi_square < costs.get(place, np.inf):
                 n = len(found.step) - len(start_position)
                 costs[place], positions[place] = found.chi_square, start_position + found.step[n:]
     ranked = sorted(costs, key=lambda place: costs[place])
-    solutions = [
-        _refined(predictor.with_nuisances_at(positions[place]), accepted, place)
-        for place in ranked[: UNKNOWN.refined_places]
-    ]
+
+    def near_place(place: UnknownPlace) -> SingleTestPredictor:
+        return predictor.with_nuisances_at(positions[place])
+
+    first = _refined(near_place(ranked[0]), accepted, ranked[0])
+    others = ranked[1 : UNKNOWN.refined_places]
+    solutions = [first, *(_refined(near_place(place), accepted, place, first) for place in others)]
     best = min(solutions, key=lambda each: each.found.chi_square)
+    if best is not first:
+        best = _refined(best.predictor, best.accepted, best.place, replace(first, found=best.found))
     length = near.observed.correlation_length * max(1.0, best.gap)
     alike = [
         s.place for s in solutions if s.found.chi_square - best.found.chi_square < UNKNOWN.alike * length
@@ -110,23 +117,65 @@ def _solved(
     return best, tuple(place for place in alike if place != best.place)[: UNKNOWN.max_alike]
 
 
-def _refined(predictor: SingleTestPredictor, accepted: tuple[Effect, ...], place: UnknownPlace) -> _Solution:
-    """Return the solution for a cause at a place, at all lines, the nuisance parameters linearised anew."""
+def _nearest(lines: LineByLine, influences: Influences) -> list[UnknownPlace]:
+    """Return the places that a few steps bring nearest to the data, nearest first."""
+    costs = {
+        place: lines.fit(influences.of(place), max_steps=UNKNOWN.ranking_steps).chi_square
+        for place in influences.places
+    }
+    return sorted(costs, key=lambda place: costs[place])[: UNKNOWN.fitted_places]
+
+
+def _refined(
+    predictor: SingleTestPredictor,
+    accepted: tuple[Effect, ...],
+    place: UnknownPlace,
+    rival: _Solution | None = None,
+) -> _Solution:
+    """Return the solution for a cause at a place, at all lines, linearised anew where the last one ended.
+
+    The derivatives by the nuisance parameters are kept: they leave out how these change the influence of the
+    cause, so that steps with new ones gain no more.
+
+    Parameters
+    ----------
+    rival
+        Solution for another place, whose derivatives are taken; the refinement ends where this place cannot
+        come near it.
+    """
+    derivatives = None if rival is None else rival.lines.nuisances.derivatives
+    least = np.inf if rival is None else rival.found.chi_square
+    last_square = np.inf
     for _ in range(UNKNOWN.refinements):
-        prediction = CoarsePrediction(
-            predictor, accepted, predictor.observed, predictor.linearisation_at(accepted)
-        )
-        lines, influences = LineByLine(prediction), Influences(predictor, accepted, predictor.lines)
-        found = lines.fit(influences.of(place))
-        gap = found.misfit / max(lines.n_freedom, 1)
-        solution = _Solution(place, predictor, accepted, influences, lines, found, gap)
-        if not np.abs(found.step).max(initial=0.0) > UNKNOWN.linear_step:
+        solution = _linearised(predictor, accepted, place, derivatives)
+        step, square = solution.found.step, solution.found.chi_square
+        gain, last_square = last_square - square, square
+        if not np.abs(step).max(initial=0.0) > UNKNOWN.linear_step:
             break
+        hopeless = square - UNKNOWN.remaining_gain * gain > least
+        if hopeless or gain < UNKNOWN.refinement_gain * max(1.0, solution.gap):
+            break
+        derivatives = solution.lines.nuisances.derivatives
         parameters = ParameterVector(accepted)
         n = len(parameters)
-        accepted = tuple(parameters.with_values(parameters.start + found.step[:n]))
-        predictor = predictor.with_nuisances_at(predictor.position + found.step[n:])
+        accepted = tuple(parameters.with_values(parameters.start + step[:n]))
+        predictor = predictor.with_nuisances_at(predictor.position + step[n:])
     return solution
+
+
+def _linearised(
+    predictor: SingleTestPredictor,
+    accepted: tuple[Effect, ...],
+    place: UnknownPlace,
+    derivatives: FloatArray | None,
+) -> _Solution:
+    """Return the solution for a cause at a place, at all lines, about a position of the nuisances."""
+    predict = predictor.linearisation_at(accepted)
+    prediction = CoarsePrediction(predictor, accepted, predictor.observed, predict, derivatives)
+    lines, influences = LineByLine(prediction), Influences(predictor, accepted, predictor.lines)
+    found = lines.fit(influences.of(place))
+    gap = found.misfit / max(lines.n_freedom, 1)
+    return _Solution(place, predictor, accepted, influences, lines, found, gap)
 
 
 def _result(solution: _Solution, rivals: Sequence[UnknownPlace], start: Fit) -> Unknown:
@@ -174,7 +223,13 @@ def _curve_model(solution: _Solution, smooth: SmoothCurve) -> ChosenModel | None
     influence = solution.influences.of(solution.place)
     left = lines.best_square(influence, smooth.at(freq))
     return choose_curve_model(
-        lines, solution.influences, solution.place, freq, (smooth, left), max(1.0, solution.gap)
+        lines,
+        solution.influences,
+        solution.place,
+        solution.found.step,
+        freq,
+        (smooth, left),
+        max(1.0, solution.gap),
     )
 
 
