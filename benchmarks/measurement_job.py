@@ -92,8 +92,13 @@ def running_time(process: int) -> float:
 
 def main() -> None:
     """Print the processor time of each process of a service for one job."""
-    parser(__doc__).parse_args()
-    for name, figure, limit in run():
+    arguments = parser(__doc__)
+    arguments.add_argument(
+        "--rounds", type=int, default=ROUNDS, help="pairs of a job and the bare measurement"
+    )
+    arguments.add_argument("--jobs", type=int, default=SERVED, help="jobs of the service, one after another")
+    chosen = arguments.parse_args()
+    for name, figure, limit in run(chosen.rounds):
         print(f"{figure:8.2f} of {limit:g}  {name}")
     with ModalLab.embedded() as lab:
         beam, rig = lab.structures.catalogue("chapter-5-beam"), lab.rigs.create(**REQUEST)
@@ -101,13 +106,13 @@ def main() -> None:
             lab.measurements.start(beam, rig, route=route).result()
             before = {process: running_time(process) for process in children(os.getpid())}
             begun = time.monotonic()
-            for seed in range(SERVED):
+            for seed in range(chosen.jobs):
                 lab.measurements.start(beam, rig, route=route, seed=seed).result()
             took = time.monotonic() - begun
             for process, earlier in before.items():
-                worked = 1e3 * (running_time(process) - earlier) / SERVED
+                worked = 1e3 * (running_time(process) - earlier) / chosen.jobs
                 print(f"{route}: process {process} works {worked:.0f} ms a job")
-            print(f"{route}: {1e3 * took / SERVED:.0f} ms from request to result")
+            print(f"{route}: {1e3 * took / chosen.jobs:.0f} ms from request to result")
 
 
 BENCH = Bench(run, short=partial(run, rounds=1))

@@ -29,6 +29,7 @@ SMALL = {
     "hammer_modes": ["1", "--points", "20", "--lines", "1601"],
     "laboratory_trial": ["--only", "5", "--suspects", "gain_error", "--workers", "1"],
     "leaked_errors": ["1", "dobson"],
+    "measurement_job": ["--rounds", "1", "--jobs", "1"],
     "pair_errors": ["1"],
     "resonant_effects": ["--kind", "mounted_resonance", "--count", "1"],
     "strange_files": ["--every", "20"],
@@ -46,7 +47,7 @@ ELSEWHERE = {
     "blind_trial",
     "sensitivity",
 }
-READS_PROC = {"extraction_job"}
+READS_PROC = {"extraction_job", "measurement_job"}
 
 
 def run(name: str, arguments: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
