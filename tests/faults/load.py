@@ -111,17 +111,21 @@ async def student(lab: AsyncModalLab, seen: Observation, i: int, load: Load, unt
     """Create a structure and a rig, measure, extract, again and again, with time to think between."""
     rng = np.random.default_rng([load.students, i])
 
-    async def think() -> None:
-        await asyncio.sleep(min(float(rng.exponential(load.think)), max(0.0, until - time.monotonic())))
+    async def think() -> bool:
+        """Return whether the class goes on after a time to think."""
+        seconds, left = float(rng.exponential(load.think)), until - time.monotonic()
+        await asyncio.sleep(max(0.0, min(seconds, left)))
+        return seconds < left
 
-    while time.monotonic() < until:
+    while await think():
         try:
-            await think()
             beam = await lab.structures.catalogue("chapter-5-beam")
             rig = await lab.rigs.create(**RIG)
-            await think()
+            if not await think():
+                return  # nobody starts a job at the bell: all would at once
             test = await (await lab.measurements.start(beam, rig, seed=i)).result()
-            await think()
+            if not await think():
+                return
             await (await lab.modal_models.start(test, method="dobson", n_modes=8)).result()
             seen.loops[i] += 1
         except (ClientError, httpx.HTTPError) as error:

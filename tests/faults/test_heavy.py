@@ -17,6 +17,8 @@ SHORT = (
     "45 times the modes of a plate of 60 x 60",
     "one plate of 200 x 200",
 )
+# s, a request that hangs; the limit of 10 s is for a quiet computer, and judged by that script.
+HANGS = 60.0
 HEALTH: list[float] = []  # s, of all cases: one alone has too few requests for a percentile
 Served = tuple[Lab, int, int]
 
@@ -36,7 +38,7 @@ def test_a_heavy_request_harms_nobody(served: Served, case: str) -> None:
     assert case in CASES
     seen = observe(*served, case)
     HEALTH.extend(seen.health)
-    assert not replace(seen, health=[]).faults, seen.statuses
+    assert not replace(seen, health=[]).faults(HANGS), seen.statuses
 
 
 def test_health_is_told_meanwhile() -> None:
