@@ -96,7 +96,7 @@ class LineByLine:
     def fit(
         self,
         influence: Influence,
-        kept_step: FloatArray | None = None,
+        fixed_step: FloatArray | None = None,
         *,
         max_steps: int = UNKNOWN.max_steps,
     ) -> LineFit:
@@ -104,18 +104,18 @@ class LineByLine:
 
         Parameters
         ----------
-        kept_step
+        fixed_step
             (n,) step of the nuisance parameters that is kept; None: they are fitted too.
         max_steps
             Steps at most.
         """
         z, last = self._start(influence), np.inf
-        step = np.zeros(len(self.nuisances)) if kept_step is None else kept_step
+        step = np.zeros(len(self.nuisances)) if fixed_step is None else fixed_step
         for _ in range(max_steps):
             residual = self.residual(influence, z) + self.slopes @ step
             slope = self.slope_of(influence, z)
             size = (np.abs(slope) ** 2).sum(axis=1) + SAFE_SQUARED_DIVISOR
-            if kept_step is None:
+            if fixed_step is None:
                 change = self._step_beside(slope, size, residual, step)
                 step, residual = step + change, residual + self.slopes @ change
             target = -(slope.conj() * residual).sum(axis=1) / size

@@ -60,7 +60,7 @@ def unknown_effect(predictor: Predictor, path: SearchPath) -> Unknown | None:
     bases: list[tuple[tuple[Effect, ...], Fit]] = [((), path.start)]
     if path.steps and all(effect.on_motion() is None for effect in path.fit.effects):
         bases.append((path.fit.effects, path.fit))
-    solved = [_solved(predictor.tests[0], effects, start) for effects, start in bases]
+    solved = [_solve(predictor.tests[0], effects, start) for effects, start in bases]
     best, rivals = min(solved, key=lambda each: each[0].gap + UNKNOWN.cost_of_steps * len(each[0].accepted))
     most_left = 1 + UNKNOWN.closed_share * (path.fit.residual.gaps(observed.fitted)["frf"] - 1)
     if best.found.misfit / best.lines.n_data > most_left:  # no smooth curve leaves less
@@ -78,10 +78,10 @@ def unknown_effect_at(predictor: SingleTestPredictor, start: Fit, place: Unknown
         Fit of the effects that act beside it.
     """
     near = predictor.with_nuisances_at(start.nuisance_position)
-    return _result(_refined(near, start.effects, place), (), start)
+    return _result(_refine(near, start.effects, place), (), start)
 
 
-def _solved(
+def _solve(
     predictor: SingleTestPredictor, accepted: tuple[Effect, ...], start: Fit
 ) -> tuple[_Solution, tuple[UnknownPlace, ...]]:
     """Return the best solution beside some effects, and the places that cannot be distinguished from it."""
@@ -91,7 +91,7 @@ def _solved(
         near = predictor.with_nuisances_at(start_position)
         lines = LineByLine(near.coarse_prediction(accepted))
         influences = Influences(near, accepted, near.coarse_lines)
-        for place in _nearest(lines, influences):
+        for place in _nearest_places(lines, influences):
             found = lines.fit(influences.of(place))
             if found.chi_square < costs.get(place, np.inf):
                 n = len(found.step) - len(start_position)
@@ -101,12 +101,15 @@ def _solved(
     def near_place(place: UnknownPlace) -> SingleTestPredictor:
         return predictor.with_nuisances_at(positions[place])
 
-    first = _refined(near_place(ranked[0]), accepted, ranked[0])
+    first = _refine(near_place(ranked[0]), accepted, ranked[0])
     others = ranked[1 : UNKNOWN.refined_places]
-    solutions = [first, *(_refined(near_place(place), accepted, place, first) for place in others)]
+    derivatives, least = first.lines.nuisances.derivatives, first.found.chi_square
+    rivals = [_refine(near_place(place), accepted, place, derivatives, least) for place in others]
+    solutions = [first, *rivals]
     best = min(solutions, key=lambda each: each.found.chi_square)
     if best is not first:
-        best = _refined(best.predictor, best.accepted, best.place, replace(first, found=best.found))
+        least = best.found.chi_square
+        best = _refine(best.predictor, best.accepted, best.place, derivatives, least)
     length = near.observed.correlation_length * max(1.0, best.gap)
     alike = [
         s.place for s in solutions if s.found.chi_square - best.found.chi_square < UNKNOWN.alike * length
@@ -117,7 +120,7 @@ def _solved(
     return best, tuple(place for place in alike if place != best.place)[: UNKNOWN.max_alike]
 
 
-def _nearest(lines: LineByLine, influences: Influences) -> list[UnknownPlace]:
+def _nearest_places(lines: LineByLine, influences: Influences) -> list[UnknownPlace]:
     """Return the places that a few steps bring nearest to the data, nearest first."""
     costs = {
         place: lines.fit(influences.of(place), max_steps=UNKNOWN.ranking_steps).chi_square
@@ -126,11 +129,12 @@ def _nearest(lines: LineByLine, influences: Influences) -> list[UnknownPlace]:
     return sorted(costs, key=lambda place: costs[place])[: UNKNOWN.fitted_places]
 
 
-def _refined(
+def _refine(
     predictor: SingleTestPredictor,
     accepted: tuple[Effect, ...],
     place: UnknownPlace,
-    rival: _Solution | None = None,
+    derivatives: FloatArray | None = None,
+    least: float = np.inf,
 ) -> _Solution:
     """Return the solution for a cause at a place, at all lines, linearised anew where the last one ended.
 
@@ -139,15 +143,14 @@ def _refined(
 
     Parameters
     ----------
-    rival
-        Solution for another place, whose derivatives are taken; the refinement ends where this place cannot
-        come near it.
+    derivatives
+        (n_residuals, n) by the nuisance parameters; None: they are computed.
+    least
+        Sum of squares of another place: the refinement ends where this place cannot come near it.
     """
-    derivatives = None if rival is None else rival.lines.nuisances.derivatives
-    least = np.inf if rival is None else rival.found.chi_square
     last_square = np.inf
     for _ in range(UNKNOWN.refinements):
-        solution = _linearised(predictor, accepted, place, derivatives)
+        solution = _solution_about(predictor, accepted, place, derivatives)
         step, square = solution.found.step, solution.found.chi_square
         gain, last_square = last_square - square, square
         if not np.abs(step).max(initial=0.0) > UNKNOWN.linear_step:
@@ -163,7 +166,7 @@ def _refined(
     return solution
 
 
-def _linearised(
+def _solution_about(
     predictor: SingleTestPredictor,
     accepted: tuple[Effect, ...],
     place: UnknownPlace,
