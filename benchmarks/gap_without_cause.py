@@ -15,7 +15,7 @@ import numpy as np
 from benchmarks.bench import Bench, count
 from modallab.core.dof import Dof
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
-from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.residuals.residual import gap_errors
 from modallab.fe.beam import beam
 from modallab.fe.damping import StructuralDamping

@@ -25,7 +25,8 @@ from modallab.core.place import Channels
 from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.fitting.fit import fit
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
-from modallab.diagnosis.residuals.observed import Observed, observe
+from modallab.diagnosis.residuals.observe import observe
+from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.residual import residual
 from modallab.diagnosis.result import CurveModelName, Diagnosis, Unknown, UnknownCause
 from modallab.diagnosis.result_builder import extended

@@ -6,7 +6,8 @@ import numpy as np
 
 from modallab.core.dof import Dof
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
-from modallab.diagnosis.residuals.observed import Observed, observe
+from modallab.diagnosis.residuals.observe import observe
+from modallab.diagnosis.residuals.observed import Observed
 from modallab.fe.assembly import assemble
 from modallab.fe.beam import beam
 from modallab.fe.damping import StructuralDamping

@@ -13,7 +13,7 @@ from modallab.core.dof import Dof
 from modallab.core.errors import DivergedError, ModalLabError
 from modallab.core.place import Place
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
-from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.residuals.observe import observe
 from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.assembly import assemble
 from modallab.rig.chain import chain

@@ -11,7 +11,7 @@ from modallab.diagnosis.fitting.fit import fit
 from modallab.diagnosis.optimisation.nuisances import Nuisances, draw_positions, nuisance_parameters
 from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
-from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.residuals.observe import observe
 from modallab.fe.assembly import assemble
 from modallab.rig.effect import Effect
 from modallab.rig.measure import measurement_of

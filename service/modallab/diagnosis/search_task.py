@@ -21,7 +21,7 @@ from modallab.diagnosis.predicting.settings import BUDGET
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.predicting.supported_levels import with_supported_force_noise
 from modallab.diagnosis.residuals.frf_selection import FrfSelection
-from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.searching.acceptance import is_noise_only, ranked_by_bic, unexplained_parts
 from modallab.diagnosis.searching.search import search
 from modallab.diagnosis.searching.search_path import SearchPath, kind_and_place

@@ -14,7 +14,7 @@ from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.predicting.follow_up import FollowUp
 from modallab.diagnosis.predicting.joint_prediction import JointPredictor
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
-from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.result import Diagnosis, Verdict
 from modallab.diagnosis.searching.search_round import Suspects
 from modallab.effects.cubic_stiffness import CubicStiffness

@@ -9,7 +9,7 @@ from modallab.core.dof import Dof
 from modallab.diagnosis.fitting.fit import fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
-from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.residuals.observe import observe
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.ground_spring import GroundSpring
 from modallab.rig.effect import Effect

@@ -13,7 +13,7 @@ from modallab.diagnosis.fitting.fit import fit
 from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.reporting.text import number_text
-from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.residuals.predicted import VarianceRatios
 from modallab.diagnosis.residuals.residual import residual
 from modallab.diagnosis.searching.acceptance import is_noise_only, is_significant, unexplained_parts

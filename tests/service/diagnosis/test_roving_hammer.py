@@ -14,7 +14,7 @@ from modallab.diagnosis.predicting.held_out import select_held_out
 from modallab.diagnosis.predicting.limitations import limitations
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.frf_selection import FrfSelection
-from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.result import GapPattern, Verdict
 from modallab.effects.gain_error import GainError
 from modallab.effects.polarity import Polarity

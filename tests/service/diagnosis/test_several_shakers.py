@@ -19,7 +19,8 @@ from modallab.diagnosis.predicting.limitations import limitations
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.reporting.report import report
 from modallab.diagnosis.residuals.frf_selection import FrfSelection
-from modallab.diagnosis.residuals.observed import Observed, observe
+from modallab.diagnosis.residuals.observe import observe
+from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.residual import Residual, gap_errors
 from modallab.diagnosis.result import GapPattern, Verdict
 from modallab.effects.exciter_armature import ExciterArmature

@@ -9,7 +9,8 @@ from modallab.core.errors import InvalidInputError, bounds
 from modallab.diagnosis.predicting.settings import HOLD_OUT
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.frf_selection import FrfSelection, frfs_at, single_frfs
-from modallab.diagnosis.residuals.observed import Observed, observe
+from modallab.diagnosis.residuals.observe import observe
+from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.residual import Residual
 from modallab.fe.structure import Structure
 from modallab.rig.frf_channel import frf_channels

@@ -51,6 +51,51 @@ class RandomErrorSettings(Settings):
 
 
 @dataclass(frozen=True)
+class MainsLineSettings(Settings):
+    """Lines of the mains in tests of unknown rigs."""
+
+    frequencies: tuple[float, ...] = setting(
+        (50.0, 60.0), unit="Hz", doc="mains frequencies", derived="national grids"
+    )
+    max_order: int = setting(
+        7, unit="1", doc="highest harmonic", derived="those of a square wave, as of the effect"
+    )
+    lines_beside: int = setting(
+        9, unit="lines", doc="lines on either side that tell the level without hum", tuned=TESTS
+    )
+    least_beside: int = setting(
+        4, unit="lines", doc="lines that tell a level, at least", derived="a median of two on either side"
+    )
+    tolerance: float = setting(
+        0.6, unit="lines", doc="lines by which the mains may be off", derived="half a line, and rounding"
+    )
+    least_ratio: float = setting(
+        10.0,
+        unit="1",
+        doc="power of hum over that of the lines beside, at least",
+        derived="of ten averages one of a million lines is as loud by chance",
+    )
+    frf_error: float = setting(
+        100.0,
+        unit="1",
+        doc="relative error of an FRF where both channels hum",
+        derived="hum a hundred times the signal: such a line tells nothing of the FRF",
+    )
+    unknown_share: float = setting(
+        0.5,
+        unit="1",
+        doc="share of hum in the power of a force whose spectrum nobody gave",
+        derived="as much as signal",
+    )
+    largest_share: float = setting(
+        0.9,
+        unit="1",
+        doc="largest share of hum in the power of a force",
+        derived="keeps its logarithm finite",
+    )
+
+
+@dataclass(frozen=True)
 class ResidualSettings(Settings):
     """Whitened residuals of FRFs."""
 
@@ -154,6 +199,7 @@ class FreeLevelSettings(Settings):
     )
 
 
+MAINS_LINES = MainsLineSettings()
 RANDOM_ERROR = RandomErrorSettings()
 FREE_LEVELS = FreeLevelSettings()
 RESIDUAL = ResidualSettings()

@@ -13,7 +13,8 @@ from modallab.core.numerics import SAFE_DIVISOR
 from modallab.core.progress import Progress
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
-from modallab.diagnosis.residuals.observed import Observed, observe
+from modallab.diagnosis.residuals.observe import observe
+from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.residual import residual
 from modallab.diagnosis.result import NextTest
 from modallab.diagnosis.test_design.follow_up_tests import FollowUpOption, follow_up_options

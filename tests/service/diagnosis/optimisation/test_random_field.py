@@ -16,7 +16,7 @@ from modallab.diagnosis.optimisation.random_field import RandomField
 from modallab.diagnosis.optimisation.settings import RANDOM_FIELD
 from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
-from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.result import Verdict
 from modallab.effects.extra_mass import ExtraMass
 from modallab.fe.assembly import assemble

@@ -14,7 +14,7 @@ from modallab.diagnosis.predicting.joint_prediction import JointPredictor
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.frf_selection import FrfSelection
-from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.residuals.predicted import SimulatedDeviations
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.force_transducer_mass import ForceTransducerMass

@@ -13,7 +13,7 @@ from modallab.diagnosis.predicting.prediction_budget import PredictionBudget
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.predicting.settings import BudgetSettings
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
-from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.result import Verdict
 from modallab.diagnosis.searching.search import search
 from modallab.diagnosis.searching.search_path import kind_and_place

@@ -9,7 +9,7 @@ from modallab.core.dof import Dof
 from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.optimisation.tolerance_effects import MemberTolerance
 from modallab.diagnosis.predicting.supported_levels import with_supported_force_noise
-from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.result import Verdict
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.loss_factor_error import LossFactorError

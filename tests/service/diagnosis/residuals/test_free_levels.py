@@ -8,7 +8,7 @@ import pytest
 from modallab.core.dof import Dof
 from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
-from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.residuals.residual import residual
 from modallab.diagnosis.residuals.source_power import shape_variance, source_functions
 from modallab.diagnosis.residuals.white_noise import WhiteNoise

@@ -7,7 +7,7 @@ from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind
 from modallab.diagnosis.predicting.comparability import check_comparable
 from modallab.diagnosis.residuals.frf_selection import FrfSelection
-from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.residuals.observe import observe
 from modallab.estimation.windows import WINDOWS
 from modallab.rig.measure import Route, measure
 from tests.diagnosing import draw_measurement, exact, model, predicting, rig

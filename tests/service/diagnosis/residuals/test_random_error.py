@@ -10,7 +10,7 @@ from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.predicting.limitations import limitations
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.channel_spectra import ChannelSpectra
-from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.residuals.random_error import shared_noise
 from modallab.diagnosis.residuals.residual import gap_errors
 from modallab.effects.force_noise import ForceNoise

@@ -13,7 +13,7 @@ from modallab.diagnosis.fitting.covariance import ParameterErrors
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.frf_selection import FrfSelection
-from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.residuals.residual import Residual
 from modallab.diagnosis.result import Verdict
 from modallab.diagnosis.searching.acceptance import (

@@ -6,7 +6,7 @@ from modallab.core.place import Members
 from modallab.core.progress import silent
 from modallab.diagnosis.fitting.coarse_fit import coarse_fit
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
-from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.searching.scanning import scan
 from modallab.effects.exciter_armature import ExciterArmature
 from modallab.effects.stiffness_error import StiffnessError

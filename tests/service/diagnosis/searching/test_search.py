@@ -10,7 +10,7 @@ from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.frf_selection import FrfSelection
-from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.searching.search import search, significant_fits
 from modallab.diagnosis.searching.search_path import kind_and_place
 from modallab.diagnosis.searching.search_round import Suspects

@@ -11,7 +11,7 @@ from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.predicting.joint_prediction import JointPredictor
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
-from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.result import NextTest
 from modallab.diagnosis.test_design.follow_up_tests import follow_up_options
 from modallab.diagnosis.test_design.next_test import Explanation, propose
