@@ -230,6 +230,8 @@ class ParameterSpec:
     """Type of this specification."""
     lower: float
     """Smallest value allowed."""
+    optional_start: float | None
+    """Initial value of a fit, of one that keeps its default unless the data ask for more; null of others."""
     scan_values: tuple[float, ...]
     """Initial values of a fit; without any they are spread about the default."""
     unit: str

@@ -24,6 +24,8 @@ class ParameterSpec:
     """Meaning, in one line."""
     scan_values: tuple[float, ...] = ()
     """Initial values of a fit; without any they are spread about the default."""
+    optional_start: float | None = None
+    """Initial value of a fit, of one that keeps its default unless the data ask for more; None of others."""
 
     @property
     def signed(self) -> bool:
@@ -40,11 +42,11 @@ def parameter(
     doc: str,
     absent: float | None = 0.0,
     scan_values: tuple[float, ...] = (),
+    optional_start: float | None = None,
 ) -> Any:
     """Declare a dataclass field that may be fitted; unit and bounds live here only."""
-    return field(
-        default=default, metadata={"spec": ParameterSpec(unit, lower, upper, absent, doc, scan_values)}
-    )
+    spec = ParameterSpec(unit, lower, upper, absent, doc, scan_values, optional_start)
+    return field(default=default, metadata={"spec": spec})
 
 
 class Parameterised:

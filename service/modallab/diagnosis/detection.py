@@ -141,7 +141,7 @@ class _Visibility:
         projected, gain = self._nuisances.project_out(self._weight * self._change(effect))
         if not gain > 0:
             return np.inf
-        cost = len(effect.specs()) * self._found.cost_per_parameter
+        cost = len(effect.fitted_specs()) * self._found.cost_per_parameter
         least = np.sqrt(cost + ACCEPTANCE.very_strong_bic * self._inflation) + DIAGNOSIS.detection_margin
         raised = self._residual.means_by_part((projected / self._weight) ** 2, self._mask)
         by_gap = min(np.sqrt(self._excess[part] / max(raised[part], SAFE_DIVISOR)) for part in raised)

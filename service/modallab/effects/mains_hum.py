@@ -22,9 +22,10 @@ from modallab.rig.setup import RigSetup
 @EFFECTS.register("mains_hum")
 @dataclass(frozen=True)
 class MainsHum(Effect):
-    """Sine of the mains frequency f and its 3rd, 5th and 7th harmonics, of 1/3, 1/5 and 1/7 its amplitude.
+    """Sine of the mains frequency f and its harmonics 2 f, 3 f, 5 f and 7 f.
 
-    The amplitudes are those of a square wave. Records are not synchronised with the mains, so that the
+    By default the 3rd, 5th and 7th harmonics have 1/3, 1/5 and 1/7 of the amplitude, those of a square
+    wave, and the 2nd, of a rectifier, is absent. Records are not synchronised with the mains, so that the
     phase is random in every record. In the mean the hum adds nothing to G_fx; to G_xx it adds the power P_k
     of harmonic k times the line shape of the window at its offset, G_xx' = G_xx + sum P_k (W(f - k f_m) +
     W(f + k f_m)) over the line spacing, the limit of 1992 thesis, equation 5.11, for a sine. The anti-alias
@@ -52,29 +53,69 @@ class MainsHum(Effect):
         absent=None,
         scan_values=MAINS.frequencies,
     )
+    second: float = parameter(
+        0.0,
+        unit="1",
+        lower=0.0,
+        upper=5.0,
+        doc="amplitude of the 2nd harmonic over that of the fundamental",
+        absent=None,
+        optional_start=MAINS.harmonic_start,
+    )
+    third: float = parameter(
+        1 / 3,
+        unit="1",
+        lower=0.0,
+        upper=5.0,
+        doc="amplitude of the 3rd harmonic over that of the fundamental",
+        absent=None,
+        optional_start=MAINS.harmonic_start,
+    )
+    higher: float = parameter(
+        1.0,
+        unit="1",
+        lower=0.0,
+        upper=5.0,
+        doc="amplitudes of the 5th and 7th harmonics over 1/5 and 1/7 of that of the fundamental",
+        absent=None,
+        optional_start=MAINS.higher_start,
+    )
 
     def on_spectra(self, spectra: CrossSpectra, acquisition: Acquisition) -> CrossSpectra:
         """Return the spectra with the harmonics' lines in G_xx."""
-        spacing, orders = acquisition.analyser.spacing, self._orders(acquisition)
+        spacing, (orders, amplitudes) = acquisition.analyser.spacing, self._harmonics(acquisition)
         place, line = orders * self.frequency / spacing, spectra.freq[:, None] / spacing
         shape, n = acquisition.analyser.line_window.line_shape, samples_of(acquisition.analyser)
-        power = (shape(line - place, n) + shape(line + place, n)) @ (1 / orders**2) / spacing
+        power = (shape(line - place, n) + shape(line + place, n)) @ amplitudes**2 / spacing
         rms = (self.ratio * acquisition.rms * self._hums(acquisition))[:, acquisition.n_in :]
         return replace(spectra, xx=spectra.xx + power[:, None] * rms[:, None, :] ** 2)
 
     def on_records(self, batch: Batch, acquisition: Acquisition, rng: np.random.Generator) -> FloatArray:
         """Return the samples with the hum added, in phase on all channels of a record."""
-        orders = self._orders(acquisition)
+        orders, amplitudes = self._harmonics(acquisition)
         n_block, _, n_samples = batch.samples.shape
-        start = rng.uniform(0, 2 * np.pi, (n_block, len(np.array(MAINS.harmonics))))[:, : len(orders), None]
+        start = rng.uniform(0, 2 * np.pi, (n_block, len(MAINS.odd_harmonics)))
+        if self.second:
+            start = np.hstack([start, rng.uniform(0, 2 * np.pi, (n_block, 1))])
+        start = start[:, self._inside(acquisition), None]
         turn = 2 * np.pi * self.frequency / acquisition.sample_rate * np.arange(n_samples)
-        hum = np.sqrt(2) * ((1 / orders) @ np.sin(orders[:, None] * turn + start))
+        hum = np.sqrt(2) * (amplitudes @ np.sin(orders[:, None] * turn + start))
         rms = (self.ratio * acquisition.rms * self._hums(acquisition))[batch.run]
         return np.asarray(batch.samples + rms[:, None] * hum[:, None, :])
 
-    def _orders(self, acquisition: Acquisition) -> FloatArray:
-        inside = np.array(MAINS.harmonics) * self.frequency <= acquisition.analyser.frequency_max
-        return np.array(MAINS.harmonics)[inside].astype(float)
+    @property
+    def _orders(self) -> FloatArray:
+        return np.array([*MAINS.odd_harmonics, *([2] if self.second else [])], float)
+
+    def _inside(self, acquisition: Acquisition) -> BoolArray:
+        return np.asarray(self._orders * self.frequency <= acquisition.analyser.frequency_max)
+
+    def _harmonics(self, acquisition: Acquisition) -> tuple[FloatArray, FloatArray]:
+        """Return order and amplitude over the fundamental's, (n,) each, of the harmonics in the band."""
+        known = {1.0: 1.0, 2.0: self.second, 3.0: self.third}
+        amplitudes = np.array([known.get(order, self.higher / order) for order in self._orders])
+        inside = self._inside(acquisition)
+        return self._orders[inside], amplitudes[inside]
 
     def _hums(self, acquisition: Acquisition) -> BoolArray:
         return acquisition.channel_mask(lambda channel: not channel.force and self.acts_on(channel.dof))

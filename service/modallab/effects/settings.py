@@ -145,11 +145,23 @@ class MixUpSettings(Settings):
 class MainsSettings(Settings):
     """Mains hum."""
 
-    harmonics: tuple[int, ...] = setting(
+    odd_harmonics: tuple[int, ...] = setting(
         (1, 3, 5, 7),
         unit="1",
-        doc="harmonics of the mains current",
-        derived="both half waves are distorted alike: odd harmonics alone",
+        doc="harmonics of a current of which both half waves are distorted alike",
+        derived="a square wave",
+    )
+    harmonic_start: float = setting(
+        0.3,
+        unit="1",
+        doc="amplitude of the 2nd and 3rd harmonic over the fundamental's, from which fits start",
+        derived="the power goes with its square, whose slope is zero at zero",
+    )
+    higher_start: float = setting(
+        0.3,
+        unit="1",
+        doc="amplitudes of higher harmonics over those of a square wave, from which fits start",
+        derived="as the others",
     )
     frequencies: tuple[float, ...] = setting(
         (50.0, 60.0), unit="Hz", doc="mains frequencies", derived="national grids"

@@ -11,7 +11,7 @@ import numpy as np
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, JsonValue
-from modallab.core.parameters import Parameterised
+from modallab.core.parameters import Parameterised, ParameterSpec
 from modallab.core.place import Channels, Dofs, EffectSpec, Members, Place
 from modallab.core.registry import Family
 from modallab.correlation.evidence import Evidence
@@ -172,6 +172,23 @@ class Effect(Parameterised):
         common_parameters: dict[str, Any] = {name: self.parameters[name] for name in cls.specs()}
         extra_parameters = tuple(name for name in self.specs() if name not in common_parameters)
         return cls(at=self.at, **common_parameters), extra_parameters
+
+    def fitted_specs(self) -> list[tuple[str, ParameterSpec, float]]:
+        """Return name, specification and default of each parameter that a fit varies.
+
+        An optional one that has its default keeps it.
+        """
+        defaults = type(self)().parameters
+        return [
+            (name, spec, defaults[name])
+            for name, spec in self.specs().items()
+            if spec.optional_start is None or self.parameters[name] != defaults[name]
+        ]
+
+    def with_optional_parameters(self) -> Self:
+        """Return the effect with its optional parameters at the start of a fit; itself without any."""
+        starts = {name: spec.optional_start for name, spec in self.specs().items()}
+        return self.with_parameters({name: start for name, start in starts.items() if start is not None})
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:

@@ -12,6 +12,7 @@ from modallab.effects.overload import Overload
 from modallab.effects.quantisation import Quantisation
 from modallab.rig.effect import Effect
 from tests.diagnosing import draw_measurement, model, rig
+from tests.humming import with_hum
 
 SUSPECTS = ["mains_hum", "overload", "quantisation", "response_noise", "force_noise", "extra_mass"]
 FIVE = Channels((Dof(5, "Y"),))
@@ -36,3 +37,16 @@ def test_it_is_found_with_its_place_and_its_numbers(missing: Effect) -> None:
         number = step.effect.parameters[name]
         # four standard errors of a fit whose residuals are nearly normal
         assert np.isclose(number.value, value, atol=4 * number.standard_error + 1e-3 * value), name
+
+
+def test_hum_in_force_and_responses_is_named_alone() -> None:
+    """The phase of a hum in two channels is constant: no average removes it from an FRF."""
+    test = draw_measurement(rig(kind="random", window="hann", noise=1e-5), seed=1)
+    for order, amplitude in ((1, 1.0), (2, 0.6), (3, 0.3)):
+        test = with_hum(test, 24 * order, 0.5 * amplitude, 5.0 * amplitude)
+    found = diagnose(model(), test, suspects=SUSPECTS, max_effects=2)
+    assert found.verdict is Verdict.EXPLAINED
+    (step,) = found.steps
+    assert step.effect.kind == "mains_hum"
+    assert step.effect.parameters["frequency"].value == pytest.approx(60.0, abs=0.1)
+    assert step.effect.parameters["second"].value == pytest.approx(0.6, rel=0.3)  # powers are known to 17 %

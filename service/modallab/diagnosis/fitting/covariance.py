@@ -23,7 +23,7 @@ class ParameterErrors:
     """Standard errors of the parameters of each effect, and of the nuisance parameters."""
 
     effects: tuple[dict[str, float], ...]
-    """By name of the parameter, in its unit, for each effect."""
+    """By name of the parameter, in its unit, for each effect; 0 of one that keeps its default."""
     nuisance_covariance: FloatArray
     """(n, n) of the positions of the nuisance parameters, in standard deviations of the prior.
 
@@ -69,7 +69,7 @@ def standard_errors(
     parameters, nuisances, observed = ParameterVector(effects), predictor.nuisances, predictor.observed
     n = len(parameters)
     if n + len(nuisances) == 0:
-        return ParameterErrors(tuple({} for _ in effects), np.zeros((0, 0)), {})
+        return ParameterErrors(tuple(dict.fromkeys(e.specs(), 0.0) for e in effects), np.zeros((0, 0)), {})
     free, held_out = nuisances.split(observed.outputs, observed.held_out)
     slopes, n_fitted = _derivatives(predictor, fixed, parameters)
     values = zip(parameters.parameters, parameters.values(), strict=True)
@@ -80,7 +80,7 @@ def standard_errors(
     fitted = np.concatenate([np.arange(n), n + free])
     covariance = _covariance(slopes[:n_fitted, fitted], room[fitted], len(free), weighting, correlation)
     deviations = np.sqrt(np.diag(covariance))
-    errors: list[dict[str, float]] = [{} for _ in effects]
+    errors = [dict.fromkeys(effect.specs(), 0.0) for effect in effects]  # of what is not fitted: none
     for parameter, deviation in zip(parameters.parameters, deviations, strict=False):
         width = parameter.spec.upper - parameter.spec.lower
         errors[parameter.effect][parameter.name] = float(min(deviation, width))

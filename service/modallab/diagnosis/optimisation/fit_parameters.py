@@ -79,14 +79,14 @@ class FitParameter:
 
 
 class ParameterVector:
-    """The parameters of several effects as one vector of coordinates."""
+    """The parameters of several effects as one vector of coordinates; optional ones where not at default."""
 
     def __init__(self, effects: Sequence[Effect]) -> None:
         self.effects = tuple(effects)
         self.parameters = [
-            FitParameter(i, name, spec, abs(type(effect)().parameters[name]) or 1.0)
+            FitParameter(i, name, spec, abs(default) or 1.0)
             for i, effect in enumerate(effects)
-            for name, spec in effect.specs().items()
+            for name, spec, default in effect.fitted_specs()
         ]
         self.low, self.high = np.array([p.bounds for p in self.parameters]).reshape(-1, 2).T
         start = np.array([p.position(effects[p.effect].parameters[p.name]) for p in self.parameters])

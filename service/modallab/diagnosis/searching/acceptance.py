@@ -185,7 +185,7 @@ def is_nonzero(effect: Effect, errors: Mapping[str, float]) -> bool:
     Where another parameter of the effect is undetermined, as an angle by motions along one axis alone, so
     is the amount, though both together may be decisive: then BIC decides alone.
     """
-    specs = effect.specs().items()
+    specs = [(name, spec) for name, spec, _ in effect.fitted_specs()]
     undetermined = ACCEPTANCE.undetermined
     if any(s.absent is None and errors[name] > undetermined * (s.upper - s.lower) for name, s in specs):
         return True

@@ -119,7 +119,7 @@ class _Round:
     def accept_best(self, explains: Callable[[Fit], bool]) -> None:
         """Take the best fit for the explanation if it is one, unless there is one already."""
         if self.explanation is None and self.fits:
-            best = min(self.fits, key=lambda candidate: candidate.bic)
+            best = min(self.fits, key=_bic)
             if explains(best):
                 cost, effect = self._candidates[kind_and_place(best.effects[-1])]
                 self._max_cost, self.explanation = ROUND.hopeless_cost * cost, effect
@@ -169,16 +169,16 @@ class _Round:
 
     def _best_kinds(self) -> list[str]:
         """Return the kinds of the best fits of effects of the structure."""
-        order = sorted(self.fits, key=lambda candidate: candidate.bic)
+        order = sorted(self.fits, key=_bic)
         kinds = dict.fromkeys(f.effects[-1].kind for f in order if f.effects[-1].structural)
         return list(kinds)[: ROUND.kinds_at_neighbours]
 
     def _best_of(self, kind: str) -> Fit:
-        return min((f for f in self.fits if f.effects[-1].kind == kind), key=lambda f: f.bic)
+        return min((f for f in self.fits if f.effects[-1].kind == kind), key=_bic)
 
     def fit_reduced_model(self) -> None:
         """Fit the reduced model of the best effect, which may not have been among the best."""
-        best = min(self.fits, key=lambda candidate: candidate.bic, default=None)
+        best = min(self.fits, key=_bic, default=None)
         reduced = None if best is None else best.effects[-1].reduced_model()
         if reduced is not None and kind_and_place(reduced[0]) in self._suspected - self._fitted:
             with suppress(InvalidInputError):
@@ -189,15 +189,29 @@ class _Round:
             return
         self._fitted.add(kind_and_place(effect))
         with suppress(InvalidInputError):
-            candidate = fit(self._predictor, (*self._accepted, effect), near=self._base)
+            candidate = self._with_optional_parameters(
+                fit(self._predictor, (*self._accepted, effect), near=self._base)
+            )
             self.fits.append(candidate)
             if ROUND.hopeless_cost * cost < self._max_cost and self._explains(candidate):
                 self._max_cost, self.explanation = ROUND.hopeless_cost * cost, effect
+
+    def _with_optional_parameters(self, candidate: Fit) -> Fit:
+        """Return a fit with the optional parameters of its last effect too, if they are worth it."""
+        *others, effect = candidate.effects
+        extended = effect.with_optional_parameters()
+        if extended == effect:
+            return candidate
+        return min(candidate, fit(self._predictor, (*others, extended), near=self._base), key=_bic)
 
     def _explains(self, candidate: Fit) -> bool:
         # Gaps cost more than a fit where power leaks, and only those of fits near the data matter.
         near = candidate.chi_square < FIT.near_noise * candidate.n_data
         return near and is_noise_only(self._predictor, candidate)
+
+
+def _bic(candidate: Fit) -> float:
+    return candidate.bic
 
 
 def _is_imitated(force: Effect, explanation: Effect, system: DynamicSystem) -> bool:

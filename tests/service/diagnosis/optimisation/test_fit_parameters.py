@@ -1,0 +1,24 @@
+"""Parameters of effects as coordinates: which of them a fit varies."""
+
+import pytest
+
+from modallab.diagnosis.optimisation.fit_parameters import ParameterVector
+from modallab.effects.mains_hum import MainsHum
+
+
+def names(effect: MainsHum) -> list[str]:
+    return [parameter.name for parameter in ParameterVector([effect]).parameters]
+
+
+def test_an_optional_parameter_is_varied_where_it_has_left_its_default() -> None:
+    assert names(MainsHum()) == ["ratio", "frequency"]
+    assert names(MainsHum(third=0.5)) == ["ratio", "frequency", "third"]
+    assert names(MainsHum().with_optional_parameters()) == ["ratio", "frequency", "second", "third", "higher"]
+
+
+def test_values_of_others_stay() -> None:
+    hum = MainsHum(ratio=0.02, second=0.4)
+    vector = ParameterVector([hum])
+    (again,) = vector.with_values(vector.start)
+    assert again.parameters == pytest.approx(hum.parameters, rel=1e-12)  # rounding of logarithms
+    assert again.third == hum.third
