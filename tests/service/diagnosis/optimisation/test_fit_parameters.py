@@ -21,4 +21,4 @@ def test_values_of_others_stay() -> None:
     vector = ParameterVector([hum])
     (again,) = vector.with_values(vector.start)
     assert again.parameters == pytest.approx(hum.parameters, rel=1e-12)  # rounding of logarithms
-    assert again.third == hum.third
+    assert again.parameters["third"] == hum.third
