@@ -22,6 +22,7 @@ from modallab.rig.expected import acquisition, expected_spectra, noise_densities
 from modallab.rig.periodic_variance import VarianceFactors
 from modallab.rig.record_correlation import correlated_excess_variance
 from modallab.rig.records import Recorder
+from modallab.rig.settled_chain import settled_chain
 from modallab.rig.setup import RigSetup
 from modallab.rig.spectrum_settings import SIMULATED_VARIANCE
 
@@ -65,7 +66,7 @@ class SimulatedVariance:
         if key not in self._known:
             self.n_simulated += repeats
             try:
-                self._known[key] = simulated_factors(chain, spectra, repeats)
+                self._known[key] = _settled_factors(chain, spectra, repeats)
             except (DivergedError, InvalidInputError):  # too steep, or rings too long
                 self._known[key] = None
         return self._known[key]
@@ -75,6 +76,13 @@ def _octaves(effect: Effect) -> list[int]:
     """Return the logarithms of an effect's parameters, rounded to a fraction of an octave."""
     values = np.maximum(np.abs(list(effect.parameters.values())), np.finfo(float).tiny)
     return [int(size) for size in np.rint(SIMULATED_VARIANCE.values_per_octave * np.log2(values))]
+
+
+def _settled_factors(chain: Chain, spectra: CrossSpectra, repeats: int) -> VarianceFactors:
+    settled = settled_chain(chain)
+    if settled is chain:
+        return simulated_factors(chain, spectra, repeats)
+    return simulated_factors(settled, expected_spectra(settled), repeats)
 
 
 def simulated_factors(

@@ -189,9 +189,8 @@ class _Round:
             return
         self._fitted.add(kind_and_place(effect))
         with suppress(InvalidInputError):
-            candidate = self._with_optional_parameters(
-                fit(self._predictor, (*self._accepted, effect), near=self._base)
-            )
+            candidate = fit(self._predictor, (*self._accepted, effect), near=self._base)
+            candidate = self._with_optional_parameters(candidate)
             self.fits.append(candidate)
             if ROUND.hopeless_cost * cost < self._max_cost and self._explains(candidate):
                 self._max_cost, self.explanation = ROUND.hopeless_cost * cost, effect
