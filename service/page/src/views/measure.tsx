@@ -5,13 +5,14 @@ import { post } from "../api";
 import { words } from "../format";
 import { hiddenEffects } from "../hidden";
 import { type Measurement, catalogue, frfs, geometry, measurement, structure, structureModes } from "../model";
-import { Group, NumberField } from "../parts/fields";
+import { Group, NumberField, StartButton } from "../parts/fields";
 import { Empty, Loading, ProblemNote, WorkNote } from "../parts/notes";
 import { FrfStack, type Test } from "../plot/frf-stack";
 import { literal, measureLines, program, rigLines, structureLine } from "../python";
 import { type RigDraft, bodyOf, unpacked, usualRig } from "../rig";
 import { type State, address, go } from "../state";
 import { useLoaded, useWork } from "../use";
+import { AveragesNote } from "./averages";
 import { ImportZone } from "./import-zone";
 
 const MOST_TESTS = 6; // in one plot
@@ -50,6 +51,7 @@ export function MeasureView({ state }: { state: State }) {
           {tests.value && <p class="facts">{factsOf(tests.value[0].about)}</p>}
         </div>
         <WorkNote work={work} what="test" />
+        {work.busy && <AveragesNote message={work.job?.message} />}
         {tests.problem && <ProblemNote problem={tests.problem} again={() => go({ t: [] })} />}
         {tests.loading && <Loading what="the FRFs" />}
         {tests.value && <FrfStack tests={tests.value} python={python} />}
@@ -64,9 +66,7 @@ export function MeasureView({ state }: { state: State }) {
         <Group title="Test">
           {rig && <RigSummary rig={rig} effects={effects.length} />}
           <NumberField label="Seed of the noise" value={seed} set={setSeed} min={0} max={2 ** 31} whole />
-          <button type="button" class="primary wide" disabled={!rig || work.busy} onClick={start}>
-            {work.busy ? "Measuring …" : state.t.length ? "Measure again" : "Start the test"}
-          </button>
+          <StartButton busy={work.busy} disabled={!rig} start={start}>{work.busy ? "Measuring …" : state.t.length ? "Measure again" : "Start the test"}</StartButton>
         </Group>
         {tests.value && <TestList tests={tests.value} state={state} />}
         <Group title="Own files"><ImportZone taken={done} /></Group>
