@@ -40,6 +40,7 @@ SMALL = {
 # Minutes at any size; their functions run in `test_benches.py`, below and in `tests/end_to_end`.
 ELSEWHERE = {
     "__main__",
+    "client_alone",
     "memory",
     "diagnosing",
     "example_files",

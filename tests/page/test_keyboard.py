@@ -6,7 +6,18 @@ import pytest
 
 from tests.page.conftest import KeyedService, Walk, check_step
 
-STEPS = ("sign in", "plate", "rig", "measure", "extract", "poles", "correlate", "diagnose", "class", "student")
+STEPS = (
+    "sign in",
+    "plate",
+    "rig",
+    "measure",
+    "extract",
+    "poles",
+    "correlate",
+    "diagnose",
+    "class",
+    "student",
+)
 
 
 @pytest.fixture(scope="module")
