@@ -6,7 +6,7 @@
  */
 
 import { readFileSync } from "node:fs";
-import { assert } from "./checks.mjs";
+import { assert, examine } from "./checks.mjs";
 import { choose, goRound, noPointer, noticePointers, pick, press, tabTo, type } from "./keyboard.mjs";
 import { walk } from "./steps.mjs";
 
@@ -73,6 +73,7 @@ async function plate(page) {
   await page.keyboard.press("0");
   await page.waitForFunction((old) => document.querySelector(".surface path").getAttribute("d") === old, before);
   const stops = await goRound(page);
+  await examine(page, "plate", folder);
   await press(page, "link", "Rig");
   return { stops };
 }
@@ -110,6 +111,10 @@ async function measure(page) {
   await heading(page, "Frequency responses");
   await press(page, "button", "Start the test");
   await page.locator(".chart canvas").first().waitFor();
+  await tabTo(page, page.locator(".signals summary"));
+  await page.keyboard.press("Enter");
+  await page.locator(".signals .figure-line").nth(3).waitFor(); // record and spectrum of force and response
+  await choose(page, "Response of the signals", "5:+Y");
   const stops = await goRound(page);
   await tabTo(page, page.locator(".chart").first());
   await page.keyboard.press("ArrowRight");
@@ -121,6 +126,7 @@ async function measure(page) {
   await page.keyboard.press("0");
   for (const name of ["Phase", "Real", "Imaginary", "Nyquist", "Magnitude"]) await pick(page, "Representation", name);
   await pick(page, "Scale", "Linear");
+  await examine(page, "signals", folder);
   await tabTo(page, page.locator(".responses .chip input").first());
   await page.keyboard.press("Space");
   assert((await page.locator(".responses summary").innerText()).startsWith("10 of 11"), "a response is left out");
@@ -140,7 +146,7 @@ async function extract(page) {
   await rows(page, "Table of modes").first().waitFor();
   const modes = await rows(page, "Table of modes").count();
   await page.locator('[aria-label="Table of fits"] tbody tr').first().waitFor();
-  await press(page, "button", "Hold");
+  await press(page, "button", "Move"); // shapes rest where little motion is asked for, as `examine` has
   const stops = await goRound(page);
   return { modes, stops };
 }

@@ -14,6 +14,7 @@ import { type State, address, go } from "../state";
 import { useLoaded, useWork } from "../use";
 import { AveragesNote } from "./averages";
 import { ImportZone } from "./import-zone";
+import { SignalPanel } from "./signals";
 
 const MOST_TESTS = 6; // in one plot
 
@@ -37,7 +38,7 @@ export function MeasureView({ state }: { state: State }) {
   const start = () =>
     work.start("/measurements", async () => {
       const declared = await post<{ id: string }>("/rigs", bodyOf(rig!));
-      return { structure_id: state.s, rig_id: declared.id, effects, seed };
+      return { structure_id: state.s, rig_id: declared.id, effects, seed, records: keptRecords(rig!) };
     });
   const python = () =>
     rig && found.value
@@ -55,6 +56,7 @@ export function MeasureView({ state }: { state: State }) {
         {tests.problem && <ProblemNote problem={tests.problem} again={() => go({ t: [] })} />}
         {tests.loading && <Loading what="the FRFs" />}
         {tests.value && <FrfStack tests={tests.value} python={python} />}
+        {tests.value && <SignalPanel key={tests.value[0].id} test={tests.value[0].about} />}
         {!state.t.length && !work.busy && (
           <Empty title="No test yet">
             <p>{rig ? `${rig.responses.length} accelerometers, driven at ${rig.drive}. Start the test, or drop the files of another one.` : "Set up a rig first, or drop the files of a test."}</p>
@@ -75,6 +77,12 @@ export function MeasureView({ state }: { state: State }) {
     </div>
   );
 }
+
+const MOST_SAMPLES = 2 ** 20; // of all channels of a record, half of what a test may keep
+const SAMPLES_A_LINE = 4; // and less
+
+/** Return how many time records a test keeps for the page: one, unless it is very large. */
+const keptRecords = (rig: RigDraft): number => (SAMPLES_A_LINE * rig.nLines * (rig.responses.length + 1) <= MOST_SAMPLES ? 1 : 0);
 
 export interface LoadedTest extends Test {
   about: Measurement;
