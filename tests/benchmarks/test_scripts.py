@@ -31,6 +31,7 @@ SMALL = {
     "leaked_errors": ["1", "dobson"],
     "measurement_job": ["--rounds", "1", "--jobs", "1"],
     "pair_errors": ["1"],
+    "peer_report": ["--small"],
     "resonant_effects": ["--kind", "mounted_resonance", "--count", "1"],
     "strange_files": ["--every", "20"],
     "unknown_effects": ["--kind", "fractional", "--count", "1", "--few"],
@@ -40,6 +41,7 @@ SMALL = {
 # Minutes at any size; their functions run in `test_benches.py`, below and in `tests/end_to_end`.
 ELSEWHERE = {
     "__main__",
+    "client_alone",
     "memory",
     "diagnosing",
     "example_files",
@@ -47,7 +49,7 @@ ELSEWHERE = {
     "blind_trial",
     "sensitivity",
 }
-READS_PROC = {"extraction_job", "measurement_job"}
+READS_PROC = {"peer_report", "extraction_job", "measurement_job"}
 
 
 def run(name: str, arguments: list[str], monkeypatch: pytest.MonkeyPatch) -> None:

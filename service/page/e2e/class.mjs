@@ -140,6 +140,7 @@ async function byDiagnosis(page) {
 async function byHand(page, kind, place) {
   await goTo(page, "Class");
   await page.getByLabel("Effect", { exact: true }).selectOption(kind);
+  await press(page, "Add the effect");
   await fill(page, "Point", place);
 }
 

@@ -12,7 +12,7 @@ import { DESK, assert, picture } from "./checks.mjs";
 export async function walk(address, folder, steps, { tolerated = null, secret = null, before, after } = {}) {
   const failed = await withBrowser(address, { viewport: DESK, acceptDownloads: true }, async (context, faults) => {
     const page = await context.newPage();
-    before?.(page);
+    await before?.(page);
     for (const [name, step] of steps) {
       const begin = Date.now();
       try {

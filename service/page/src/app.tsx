@@ -1,6 +1,6 @@
 /** The frame of the page: views as steps of a test, and the light. */
 
-import { useEffect, useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { Account, SignInForm } from "./parts/sign-in";
 import { resume, useSession } from "./session";
 import { type State, type View, VIEWS, address, useAddress } from "./state";
@@ -37,8 +37,12 @@ function LaterView({ view, state }: { view: Exclude<View, "rig">; state: State }
 export function App() {
   const state = useAddress();
   const session = useSession();
+  const before = useRef(state.view);
   useEffect(() => {
     document.title = `${TITLES[state.view]} – modallab`;
+    // A link at the end of a view is gone with it: who pressed it goes on at the top of the next one.
+    if (before.current !== state.view && document.activeElement === document.body) document.getElementById("main")!.focus();
+    before.current = state.view;
   }, [state.view]);
   useEffect(() => {
     resume();
@@ -58,7 +62,7 @@ export function App() {
           <LightSwitch />
         </div>
       </header>
-      <main id="main" tabIndex={-1}>
+      <main id="main" tabIndex={-1} aria-label={TITLES[state.view]}>
         {state.view === "rig" ? <RigView state={state} /> : <LaterView key={state.view} view={state.view} state={state} />}
       </main>
       {session.asking && <SignInForm told={session.told} />}

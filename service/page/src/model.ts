@@ -46,6 +46,7 @@ export interface Measurement {
   outputs: string[];
   inputs: string[];
   n_lines: number;
+  n_records: number;
   frequency_min: number;
   frequency_max: number;
   notes: string[];

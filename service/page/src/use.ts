@@ -36,6 +36,13 @@ export function useLoaded<T>(key: string | null, load: () => Promise<T>): Loaded
 
 const IDLE = { value: null, problem: null, loading: false };
 
+/** Return what was loaded, and while the next is not there yet, the last. */
+export function useKept<T>(loaded: Loaded<T>): Loaded<T> {
+  const last = useRef<T | null>(null);
+  if (loaded.value !== null) last.current = loaded.value;
+  return { ...loaded, value: loaded.loading ? last.current : loaded.value };
+}
+
 /** Return what `load` brings now, after `again()`, and every so many milliseconds: for what others change. */
 export function usePolled<T>(key: string, load: () => Promise<T>, every = 0): Loaded<T> & { again(): void } {
   const [state, setState] = useState<Loaded<T>>({ value: null, problem: null, loading: true });

@@ -3,8 +3,10 @@
 import { useEffect, useMemo, useState } from "preact/hooks";
 import type { Geometry } from "../model";
 import type { Shape } from "../shape";
-import { displacementOf, projectionOf, splitDof } from "./projection";
+import { displacementOf, inSpace, projectionOf, splitDof } from "./projection";
 import { Members } from "./structure";
+import { Surface } from "./surface";
+import { useTurn } from "./turn";
 
 interface ShapeProps {
   geometry: Geometry;
@@ -14,40 +16,47 @@ interface ShapeProps {
   svgRef?: { current: SVGSVGElement | null };
 }
 
+export type At = (node: string | number, moved?: Map<string, number[]>) => [number, number];
+
 const SWING = 62; // largest displacement in the drawing
 const PERIOD = 1900; // ms
+const KEYS = "Arrow keys turn it, 0 turns it back.";
 
 export function ShapeDrawing({ geometry, measured, model, label, svgRef }: ShapeProps) {
-  const projection = useMemo(() => projectionOf(geometry), [geometry]);
+  const { view, handlers } = useTurn();
+  const space = useMemo(() => inSpace(geometry), [geometry]);
+  const projection = useMemo(() => projectionOf(geometry, view), [geometry, view]);
   const [moving, setMoving] = useState(() => !matchMedia("(prefers-reduced-motion: reduce)").matches);
   const phase = usePhase(moving);
-  const [c, s] = [Math.cos(phase), Math.sin(phase)];
-  const displaced = (shape: Shape) => {
-    const by = new Map<string, number[]>();
-    shape.dofs.forEach((dof, i) => {
-      const { node, sign, direction } = splitDof(dof);
-      if (direction.startsWith("R")) return;
-      const amount = sign * SWING * (shape.real[i] * c - shape.imaginary[i] * s);
-      const [x, y, z] = displacementOf(direction, amount);
-      const old = by.get(node) ?? [0, 0, 0];
-      by.set(node, [old[0] + x, old[1] + y, old[2] + z]);
-    });
-    return by;
-  };
-  const at = (node: string | number, moved?: Map<string, number[]>) => projection.point(geometry.nodes[node], moved?.get(String(node)));
+  const at: At = (node, moved) => projection.point(geometry.nodes[node], moved?.get(String(node)));
+  const modelMoved = model && displaced(model, phase);
+  const role = space ? { role: "group" as const, tabindex: 0, "aria-label": `${label}. ${KEYS}`, ...handlers } : { role: "img" as const, "aria-label": label };
   return (
     <figure class="shape-figure">
-      <svg ref={svgRef} class="shape" viewBox={`0 0 ${projection.width} ${projection.height}`} role="img" aria-label={label}>
+      <svg ref={svgRef} class={space ? "shape in-space" : "shape"} viewBox={`0 0 ${projection.width} ${projection.height}`} {...role}>
         <Members geometry={geometry} projection={projection} className="rest" />
-        {model && <path class="model-line" d={memberPath(geometry, at, displaced(model))} />}
-        {measured && <Measured geometry={geometry} measured={measured} moved={displaced(measured)} at={at} />}
+        {modelMoved && (space ? <Surface geometry={geometry} view={view} at={at} moved={modelMoved} swing={SWING} /> : <path class="model-line" d={memberPath(geometry, at, modelMoved)} />)}
+        {measured && <Measured geometry={geometry} measured={measured} moved={displaced(measured, phase)} at={at} />}
       </svg>
       <button type="button" class="quiet" aria-pressed={moving} onClick={() => setMoving(!moving)}>{moving ? "Hold" : "Move"}</button>
     </figure>
   );
 }
 
-type At = (node: string | number, moved?: Map<string, number[]>) => [number, number];
+/** Return the displacement of each node, in units of the drawing, at a phase of the motion. */
+function displaced(shape: Shape, phase: number): Map<string, number[]> {
+  const [c, s] = [Math.cos(phase), Math.sin(phase)];
+  const by = new Map<string, number[]>();
+  shape.dofs.forEach((dof, i) => {
+    const { node, sign, direction } = splitDof(dof);
+    if (direction.startsWith("R")) return;
+    const amount = sign * SWING * (shape.real[i] * c - shape.imaginary[i] * s);
+    const [x, y, z] = displacementOf(direction, amount);
+    const old = by.get(node) ?? [0, 0, 0];
+    by.set(node, [old[0] + x, old[1] + y, old[2] + z]);
+  });
+  return by;
+}
 
 function memberPath(geometry: Geometry, at: At, moved: Map<string, number[]>): string {
   return geometry.members

@@ -57,7 +57,7 @@ export function RigDrawing(props: Props) {
           <g
             class={`node${driven ? " driven" : ""}`}
             role="button"
-            tabIndex={node === current ? 0 : -1}
+            tabindex={node === current ? 0 : -1} // an attribute of SVG keeps its case
             aria-pressed={sensor !== undefined}
             aria-label={`Node ${node}${sensor ? `, accelerometer ${sensor.direction}` : ""}${driven ? ", driven" : ""}`}
             data-node={node}

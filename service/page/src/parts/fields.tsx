@@ -122,6 +122,17 @@ export function SelectField({ label, value, set, options }: SelectProps) {
   );
 }
 
+/** A list, and the button that adds what it shows: by the keyboard one passes many entries on the way to one. */
+export function AddField({ label, options, add }: Pick<SelectProps, "label" | "options"> & { add(value: string): void }) {
+  const [value, setValue] = useState("");
+  return (
+    <>
+      <SelectField label={label} value={value} set={setValue} options={[{ value: "", text: "–" }, ...options]} />
+      <button type="button" class="wide" disabled={!value} onClick={() => { add(value); setValue(""); }}>Add the effect</button>
+    </>
+  );
+}
+
 interface ChoiceProps<T extends string> {
   label: string;
   value: T;
@@ -142,5 +153,22 @@ export function Choice<T extends string>({ label, value, set, options }: ChoiceP
         </label>
       ))}
     </fieldset>
+  );
+}
+
+interface StartProps {
+  /** The work is under way: another press does nothing, and the button keeps the focus. */
+  busy: boolean;
+  disabled?: boolean;
+  start(): void;
+  children: string;
+}
+
+/** Start the work of a view. */
+export function StartButton({ busy, disabled, start, children }: StartProps) {
+  return (
+    <button type="button" class="primary wide" disabled={disabled} aria-disabled={busy || undefined} onClick={() => busy || start()}>
+      {children}
+    </button>
   );
 }

@@ -7,7 +7,7 @@ import { words } from "../format";
 import { HIDDEN_ROWS } from "../hidden";
 import { type CatalogueEntry, catalogue, diagnosis } from "../model";
 import { Actions } from "../parts/actions";
-import { Group, NumberField, SelectField, TextArea, TextField } from "../parts/fields";
+import { AddField, Group, NumberField, SelectField, TextArea, TextField } from "../parts/fields";
 import { ProblemNote } from "../parts/notes";
 import { answerLines, program } from "../python";
 import { asProblem, useLoaded } from "../use";
@@ -59,7 +59,7 @@ export function AnswerForm({ assignment, diagnosisId, sent }: { assignment: Assi
           />
         ))}
         <Group title="Another effect">
-          <SelectField label="Effect" value="" set={(kind) => kind && add(kind)} options={[{ value: "", text: "–" }, ...entries.value.map((entry) => ({ value: entry.kind, hint: entry.summary }))]} />
+          <AddField label="Effect" add={add} options={entries.value.map((entry) => ({ value: entry.kind, hint: entry.summary }))} />
           {found.value && found.value.steps.length > 0 && <button type="button" class="wide" onClick={() => setEffects(found.value!.steps.map((step) => draftFrom(step.effect)))}>Take over what the diagnosis found</button>}
         </Group>
         {assignment.rubric.names.length > 0 && (

@@ -7,7 +7,7 @@ import { words } from "../format";
 import { HIDDEN_ROWS } from "../hidden";
 import { geometry, structure, structureModes } from "../model";
 import { Actions } from "../parts/actions";
-import { CheckField, Group, NumberField, SelectField, TextField } from "../parts/fields";
+import { AddField, CheckField, Group, NumberField, SelectField, TextField } from "../parts/fields";
 import { ProblemNote } from "../parts/notes";
 import { assignmentLines, program } from "../python";
 import { type RigDraft, bodyOf, unpacked, usualRig } from "../rig";
@@ -79,7 +79,7 @@ function Fields({ name, rig, request, made }: FieldsProps) {
         </Group>
         <Group title="Hidden, drawn for each student">
           {hidden.map((draft, i) => <HiddenFields draft={draft} set={(next) => setHidden(hidden.map((old, k) => (k === i ? next : old)))} remove={() => setHidden(hidden.filter((_, k) => k !== i))} />)}
-          <SelectField label="Add an effect" value="" set={(kind) => kind && setHidden([...hidden, draftOf(kind, rig)])} options={[{ value: "", text: "–" }, ...HIDDEN_ROWS.filter((row) => !hidden.some((draft) => draft.row.kind === row.kind)).map((row) => ({ value: row.kind }))]} />
+          <AddField label="Another effect" add={(kind) => setHidden([...hidden, draftOf(kind, rig)])} options={HIDDEN_ROWS.filter((row) => !hidden.some((draft) => draft.row.kind === row.kind)).map((row) => ({ value: row.kind }))} />
         </Group>
         <ChoiceFields rig={rig} choices={choices} set={setChoices} />
         <Group title="Points">

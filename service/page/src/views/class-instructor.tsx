@@ -102,10 +102,10 @@ function KeysOf({ entered }: { entered: ClassEntry }) {
   return (
     <Group title="Keys">
       <TextArea label="Names, one a line" value={text} set={setText} rows={4} />
-      <button type="button" class="wide" disabled={!names.length} onClick={handOut}>Make {names.length || ""} keys</button>
+      <button type="button" class="wide" disabled={!names.length} onClick={handOut}>{names.length === 1 ? "Make 1 key" : `Make ${names.length || ""} keys`}</button>
       {keys && (
         <>
-          <p class="hint" role="status">{count} keys are in keys.csv. They are told once: keep the file.</p>
+          <p class="hint" role="status">{count === 1 ? "The key is in keys.csv. It is told once" : `${count} keys are in keys.csv. They are told once`}: keep the file.</p>
           <button type="button" class="wide" onClick={() => save(keys, "keys.csv")}>Save keys.csv again</button>
         </>
       )}

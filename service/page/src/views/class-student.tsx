@@ -4,7 +4,7 @@ import { useCallback, useState } from "preact/hooks";
 import { type Assignment, type Limits, assignments, firstOf, isOver, timeText, trialOf, valueAt } from "../class";
 import { placeText, words } from "../format";
 import { Actions } from "../parts/actions";
-import { Group, NumberField, SelectField } from "../parts/fields";
+import { Group, NumberField, SelectField, StartButton } from "../parts/fields";
 import { Empty, Loading, ProblemNote, WorkNote } from "../parts/notes";
 import { program, trialLines } from "../python";
 import { type State, address, go } from "../state";
@@ -81,9 +81,7 @@ function Trial({ assignment, left, work }: { assignment: Assignment; left: numbe
     <Group title="Test">
       {entries.map(([path, limits]) => <ChosenField path={path} limits={limits} value={chosen[path]} set={(value) => setChosen({ ...chosen, [path]: value })} />)}
       {!entries.length && <p class="hint">There is nothing to choose.</p>}
-      <button type="button" class="primary wide" disabled={work.busy || left < 1 || isOver(assignment)} onClick={() => work.start(`/assignments/${assignment.id}/measurements`, trialOf(chosen))}>
-        {work.busy ? "Measuring …" : left < 1 ? "No tests left" : "Measure"}
-      </button>
+      <StartButton busy={work.busy} disabled={left < 1 || isOver(assignment)} start={() => work.start(`/assignments/${assignment.id}/measurements`, trialOf(chosen))}>{work.busy ? "Measuring …" : left < 1 ? "No tests left" : "Measure"}</StartButton>
       <Actions python={() => program(trialLines(assignment.id, trialOf(chosen)))} />
     </Group>
   );

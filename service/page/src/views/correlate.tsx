@@ -3,7 +3,7 @@
 import { useCallback, useState } from "preact/hooks";
 import { get, post } from "../api";
 import { catalogue, structure } from "../model";
-import { Group, SelectField } from "../parts/fields";
+import { Group, SelectField, StartButton } from "../parts/fields";
 import { Empty, Loading, ProblemNote, WorkNote } from "../parts/notes";
 import { literal, program } from "../python";
 import { type State, address, go } from "../state";
@@ -57,9 +57,7 @@ export function CorrelateView({ state }: { state: State }) {
         <Group title="Correct the model">
           <SelectField label="Method" value={method} set={setMethod} options={BY_ELEMENT.map((value) => ({ value, hint: methods.value?.find((entry) => entry.kind === value)?.summary }))} />
           <p class="hint">{methods.value?.find((entry) => entry.kind === method)?.summary}</p>
-          <button type="button" class="primary wide" disabled={work.busy} onClick={() => work.start("/updates", { ...request, method })}>
-            {work.busy ? "Updating …" : "Update the model"}
-          </button>
+          <StartButton busy={work.busy} start={() => work.start("/updates", { ...request, method })}>{work.busy ? "Updating …" : "Update the model"}</StartButton>
         </Group>
         <a class="next" href={address({ ...state, view: "diagnose" })}>Diagnose</a>
       </aside>

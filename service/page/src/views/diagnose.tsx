@@ -6,7 +6,7 @@ import { placeText, short, words } from "../format";
 import { type Diagnosis, diagnosis, structure } from "../model";
 import { Actions } from "../parts/actions";
 import { DropZone } from "../parts/dropzone";
-import { Group, NumberField, SelectField } from "../parts/fields";
+import { Group, NumberField, SelectField, StartButton } from "../parts/fields";
 import { Empty, Loading, ProblemNote, WorkNote, brief } from "../parts/notes";
 import { literal, program } from "../python";
 import { type State, go } from "../state";
@@ -75,9 +75,7 @@ export function DiagnoseView({ state }: { state: State }) {
           {loaded.value && <p class="hint">{factsOf(loaded.value[0].about)}</p>}
           <SelectField label="May differ a little" value={tolerances} set={setTolerances} options={TOLERANCES} />
           <NumberField label="Effects at most" value={most} set={setMost} min={1} max={8} whole />
-          <button type="button" class="primary wide" disabled={!ready || work.busy} onClick={() => start()}>
-            {work.busy ? "Searching …" : state.d ? "Diagnose again" : "Start the diagnosis"}
-          </button>
+          <StartButton busy={work.busy} disabled={!ready} start={() => start()}>{work.busy ? "Searching …" : state.d ? "Diagnose again" : "Start the diagnosis"}</StartButton>
         </Group>
         <OwnFiles />
       </aside>

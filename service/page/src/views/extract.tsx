@@ -4,7 +4,7 @@ import { useCallback, useMemo, useState } from "preact/hooks";
 import { arrays } from "../api";
 import { short } from "../format";
 import { type ModalModel, catalogue, modalModel } from "../model";
-import { Choice, Group, NumberField, SelectField } from "../parts/fields";
+import { Choice, Group, NumberField, SelectField, StartButton } from "../parts/fields";
 import { Empty, Loading, ProblemNote, WorkNote } from "../parts/notes";
 import type { Arrays } from "../npz";
 import type { Range } from "../plot/chart";
@@ -75,9 +75,7 @@ export function ExtractView({ state }: { state: State }) {
           {choice === "auto" && found.length > 0 && <button type="button" class="wide" onClick={() => { setBands(found); setChoice("mine"); }}>Take the {found.length} bands found</button>}
           {choice === "auto" && <NumberField label="Modes at most (0: all)" value={nModes} set={setNModes} min={0} max={500} whole />}
           {choice === "mine" && <BandList bands={bands} setBands={setBands} add={addBand} />}
-          <button type="button" class="primary wide" disabled={work.busy || (choice === "mine" && !bands.length)} onClick={start}>
-            {work.busy ? "Extracting …" : "Extract"}
-          </button>
+          <StartButton busy={work.busy} disabled={choice === "mine" && !bands.length} start={start}>{work.busy ? "Extracting …" : "Extract"}</StartButton>
         </Group>
         {model.value && (
           <>

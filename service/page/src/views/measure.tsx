@@ -5,14 +5,16 @@ import { post } from "../api";
 import { words } from "../format";
 import { hiddenEffects } from "../hidden";
 import { type Measurement, catalogue, frfs, geometry, measurement, structure, structureModes } from "../model";
-import { Group, NumberField } from "../parts/fields";
+import { Group, NumberField, StartButton } from "../parts/fields";
 import { Empty, Loading, ProblemNote, WorkNote } from "../parts/notes";
 import { FrfStack, type Test } from "../plot/frf-stack";
 import { literal, measureLines, program, rigLines, structureLine } from "../python";
 import { type RigDraft, bodyOf, unpacked, usualRig } from "../rig";
 import { type State, address, go } from "../state";
 import { useLoaded, useWork } from "../use";
+import { AveragesNote } from "./averages";
 import { ImportZone } from "./import-zone";
+import { SignalPanel } from "./signals";
 
 const MOST_TESTS = 6; // in one plot
 
@@ -36,7 +38,7 @@ export function MeasureView({ state }: { state: State }) {
   const start = () =>
     work.start("/measurements", async () => {
       const declared = await post<{ id: string }>("/rigs", bodyOf(rig!));
-      return { structure_id: state.s, rig_id: declared.id, effects, seed };
+      return { structure_id: state.s, rig_id: declared.id, effects, seed, records: keptRecords(rig!) };
     });
   const python = () =>
     rig && found.value
@@ -50,9 +52,11 @@ export function MeasureView({ state }: { state: State }) {
           {tests.value && <p class="facts">{factsOf(tests.value[0].about)}</p>}
         </div>
         <WorkNote work={work} what="test" />
+        {work.busy && <AveragesNote message={work.job?.message} />}
         {tests.problem && <ProblemNote problem={tests.problem} again={() => go({ t: [] })} />}
         {tests.loading && <Loading what="the FRFs" />}
         {tests.value && <FrfStack tests={tests.value} python={python} />}
+        {tests.value && <SignalPanel key={tests.value[0].id} test={tests.value[0].about} />}
         {!state.t.length && !work.busy && (
           <Empty title="No test yet">
             <p>{rig ? `${rig.responses.length} accelerometers, driven at ${rig.drive}. Start the test, or drop the files of another one.` : "Set up a rig first, or drop the files of a test."}</p>
@@ -64,9 +68,7 @@ export function MeasureView({ state }: { state: State }) {
         <Group title="Test">
           {rig && <RigSummary rig={rig} effects={effects.length} />}
           <NumberField label="Seed of the noise" value={seed} set={setSeed} min={0} max={2 ** 31} whole />
-          <button type="button" class="primary wide" disabled={!rig || work.busy} onClick={start}>
-            {work.busy ? "Measuring …" : state.t.length ? "Measure again" : "Start the test"}
-          </button>
+          <StartButton busy={work.busy} disabled={!rig} start={start}>{work.busy ? "Measuring …" : state.t.length ? "Measure again" : "Start the test"}</StartButton>
         </Group>
         {tests.value && <TestList tests={tests.value} state={state} />}
         <Group title="Own files"><ImportZone taken={done} /></Group>
@@ -75,6 +77,12 @@ export function MeasureView({ state }: { state: State }) {
     </div>
   );
 }
+
+const MOST_SAMPLES = 2 ** 20; // of all channels of a record, half of what a test may keep
+const SAMPLES_A_LINE = 4; // and less
+
+/** Return how many time records a test keeps for the page: one, unless it is very large. */
+const keptRecords = (rig: RigDraft): number => (SAMPLES_A_LINE * rig.nLines * (rig.responses.length + 1) <= MOST_SAMPLES ? 1 : 0);
 
 export interface LoadedTest extends Test {
   about: Measurement;

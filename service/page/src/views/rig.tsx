@@ -12,7 +12,7 @@ import { Empty, Loading, ProblemNote } from "../parts/notes";
 import { program, rigLines, structureLine } from "../python";
 import { type RigDraft, directionsAt, mainDirection, packed, unpacked, usualRig } from "../rig";
 import { type State, address, go } from "../state";
-import { asProblem, useLoaded } from "../use";
+import { asProblem, useKept, useLoaded } from "../use";
 import { AnalyserPanel, HardwarePanel } from "./analyser";
 import { HiddenPanel } from "./hidden-panel";
 import { StructurePanel } from "./structure-panel";
@@ -31,12 +31,13 @@ export function RigView({ state }: { state: State }) {
   }, [state.s]);
   if (problem) return <ProblemNote problem={problem} again={() => location.reload()} />;
   if (!state.s) return <Loading what="the laboratory" />;
-  return <RigOn key={state.s} id={state.s} state={state} />;
+  return <RigOn id={state.s} state={state} />;
 }
 
 function RigOn({ id, state }: { id: string; state: State }) {
   const known = useLoaded("catalogue/structures", () => catalogue("structures"));
-  const found = useLoaded(`rig/${id}`, () => Promise.all([structure(id), geometry(id), structureModes(id)]));
+  // The former structure stays until the next one is there, and with it the focus on what has chosen that.
+  const found = useKept(useLoaded(`rig/${id}`, () => Promise.all([structure(id), geometry(id), structureModes(id)])));
   const svg = useRef<SVGSVGElement>(null);
   const usual = useMemo(
     () => found.value && usualRig(found.value[1].dofs, found.value[2].frequencies),
@@ -48,7 +49,7 @@ function RigOn({ id, state }: { id: string; state: State }) {
   const rig = unpacked(state.rig, usual);
   const set = (change: Partial<RigDraft>) => go({ rig: packed({ ...rig, ...change }) }, true);
   const direction = splitDof(rig.responses[0] ?? rig.drive).direction;
-  const python = () => program([structureLine(about.name, id, known.value), ...rigLines(rig)]);
+  const python = () => program([structureLine(about.name, about.id, known.value), ...rigLines(rig)]);
   return (
     <div class="bench">
       <section class="stage" aria-labelledby="rig-title">
@@ -61,6 +62,7 @@ function RigOn({ id, state }: { id: string; state: State }) {
         </div>
         <div class="drawing">
           <RigDrawing
+            key={about.id}
             svgRef={svg}
             geometry={shape}
             drive={rig.drive}
@@ -76,9 +78,9 @@ function RigOn({ id, state }: { id: string; state: State }) {
           <DriveAndDirection rig={rig} dofs={shape.dofs} direction={direction} set={set} />
           <Actions downloads={[{ text: "SVG", name: "rig.svg", from: () => svgFile(svg.current!) }]} python={python} />
         </div>
-        {modes.loss_factors[0] === 0 && <Undamped id={id} members={shape.members.map((member) => member.number)} />}
+        {modes.loss_factors[0] === 0 && <Undamped id={about.id} members={shape.members.map((member) => member.number)} />}
         {rig.responses.length === 0 && <Empty title="No accelerometer"><p>Click a node to set one.</p></Empty>}
-        <HiddenPanel rig={rig} dofs={shape.dofs.filter((dof) => dof.endsWith(`:+${mainDirection(shape.dofs)}`))} members={shape.members.map((member) => member.number)} />
+        <HiddenPanel key={`hidden/${about.id}`} rig={rig} dofs={shape.dofs.filter((dof) => dof.endsWith(`:+${mainDirection(shape.dofs)}`))} members={shape.members.map((member) => member.number)} />
       </section>
       <aside class="panel" aria-label="Settings">
         <StructurePanel current={about} known={known.value ?? []} />

@@ -1,6 +1,6 @@
 /** Choice of the structure: an example, a beam of one's own, or a file. */
 
-import { useState } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { type Problem, ProblemError, post, upload } from "../api";
 import type { CatalogueEntry, Structure } from "../model";
 import { DropZone } from "../parts/dropzone";
@@ -15,11 +15,23 @@ export function StructurePanel({ current, known }: { current: Structure; known: 
   const example = known.some((entry) => entry.kind === current.name);
   const [origin, setOrigin] = useState<Origin>("example");
   const [problem, setProblem] = useState<Problem | null>(null);
-  const make = (promise: Promise<Structure>) =>
+  const [wanted, setWanted] = useState<string | null>(null); // an example that is on its way
+  const turn = useRef(0); // letters and arrow keys choose one example after another: the last one counts
+  const make = (promise: Promise<Structure>) => {
+    const mine = ++turn.current;
+    setProblem(null);
     promise.then(
-      (made) => go({ s: made.id, rig: undefined, t: [], x: undefined, u: undefined, d: undefined }),
-      (error) => setProblem(asProblem(error)),
+      (made) => mine === turn.current && go({ s: made.id, rig: undefined, t: [], x: undefined, u: undefined, d: undefined }),
+      (error) => {
+        if (mine !== turn.current) return;
+        setProblem(asProblem(error));
+        setWanted(null);
+      },
     );
+  };
+  useEffect(() => {
+    if (wanted === current.name) setWanted(null);
+  }, [current.id]);
   return (
     <Group title="Structure">
       <Choice<Origin>
@@ -32,8 +44,11 @@ export function StructurePanel({ current, known }: { current: Structure; known: 
         <>
           <SelectField
             label="Example"
-            value={example ? current.name : ""}
-            set={(name) => make(post<Structure>("/structures", { kind: "catalogue", name }))}
+            value={wanted ?? (example ? current.name : "")}
+            set={(name) => {
+              setWanted(name);
+              make(post<Structure>("/structures", { kind: "catalogue", name }));
+            }}
             options={[...(example ? [] : [{ value: "", text: "–" }]), ...known.map((entry) => ({ value: entry.kind, hint: entry.summary }))]}
           />
           <p class="hint wide">{known.find((entry) => entry.kind === current.name)?.summary}</p>
