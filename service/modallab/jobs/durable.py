@@ -27,7 +27,7 @@ from modallab.jobs.retention import Retention
 from modallab.jobs.runner import Job, JobState, Lane, RequestKey, time_limit_error
 from modallab.jobs.settings import JOB
 from modallab.jobs.wake import Bell, Notifier
-from modallab.jobs.work import INTERNAL, count_shares, describe, log_end, perform, perform_share
+from modallab.jobs.work import INTERNAL, count_shares, describe, end_due, log_end, perform, perform_share
 from modallab.store.engine import make_engine
 from modallab.store.place import StorePlace, engine_of
 from modallab.store.viewer import Viewer
@@ -203,6 +203,7 @@ class DurableRunner:
                 self._book,
                 DbosEngine(self._client, self._notifier),
                 self._retention,
+                end=partial(end_due, self._place),
             )
             await to_thread.run_sync(self._reconciler.start)
         return self

@@ -1,6 +1,5 @@
 """Measurements of assignments: nothing about the job tells what is hidden."""
 
-import math
 import time
 from dataclasses import dataclass, replace
 
@@ -13,11 +12,13 @@ from modallab.fe.structure import Structure
 from modallab.jobs.destination import Destination
 from modallab.jobs.durations import duration_of_stepped_measurement
 from modallab.jobs.measuring import MeasurementOptions, measured
+from modallab.jobs.postponed import Postponed
 from modallab.rig.effect import Stage, build
 from modallab.rig.measure import Route
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 from modallab.store.base import Store, Trial, Truth
+from modallab.store.viewer import UNPUBLISHED
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,7 @@ class SealingSettings(Settings):
 
 
 SEALING = SealingSettings()
+_IMPOSSIBLE = "the test cannot be carried out as chosen; choose another, or ask the instructor"
 _DECOYS = ("rattle", "cubic_stiffness")  # nonlinear effects that hardly ever fail, the longer one first
 
 
@@ -68,14 +70,12 @@ class SealedInputs:
 
 def measure_sealed_and_store(
     store: Store, progress: Progress, into: Destination, inputs: SealedInputs, options: MeasurementOptions
-) -> None:
+) -> Postponed:
     """Run the virtual test of an assignment; store the measurement without seed, and the instructor's truth.
 
-    Progress, errors and duration are the same whatever is hidden. The measurement is stored at the end, for
-    its entry tells when that was.
+    Progress, errors and duration are the same whatever is hidden. The student has the measurement when the
+    job ends, see `publish_sealed`.
     """
-    if store.measurements.holds(into.id):
-        return  # done by an attempt that died later
     began = time.monotonic()
     structure, setup = store.structures.get(inputs.structure_id), store.rigs.get(inputs.rig_id)
     truth = Truth(inputs.structure_id, possible_effects(options.effects, structure, setup))
@@ -84,6 +84,9 @@ def measure_sealed_and_store(
     def mute(_fraction: float, _message: str) -> None:
         progress(0.0, "measuring")
 
+    later = Postponed(SEALING.spare * estimate, SEALING.step)
+    if store.measurements.holds(into.id):
+        return later  # done by an attempt that died later
     measurement: Measurement | None = None
     try:
         made = measured(store, mute, truth, setup, options.route, options.seed)
@@ -91,18 +94,28 @@ def measure_sealed_and_store(
         _work_as_long(store, mute, truth, setup, options)
     except CancelledError:
         raise
-    except ModalLabError:  # told below, at the time at which a good one ends
+    except ModalLabError:  # told at the time at which a good one ends
         pass
-    _wait(began, SEALING.spare * estimate, progress)
+    _keep_process(began, estimate, progress)
     if measurement is None:
-        raise AssignmentError(
-            "the test cannot be carried out as chosen; choose another, or ask the instructor"
-        )
-    trial = Trial(inputs.assignment_id, inputs.student, inputs.number)
+        return replace(later, error=AssignmentError(_IMPOSSIBLE))
     with store.together() as batch:
-        batch.measurements.add(measurement, owner=into.owner, inputs={"rig_id": inputs.rig_id}, id=into.id)
+        batch.measurements.add(measurement, owner=UNPUBLISHED, inputs={"rig_id": inputs.rig_id}, id=into.id)
         batch.truths.add(truth, measurement_id=into.id, owner=inputs.instructor)
-        batch.trials.fulfil(trial, into.id)
+    return later
+
+
+def publish_sealed(store: Store, into: Destination, inputs: SealedInputs, at: str) -> None:
+    """Give the measurement of an assignment to the student; it is entered as made at that time."""
+    with store.together() as batch:
+        batch.measurements.hand_over(into.id, owner=into.owner, created=at)
+        batch.trials.fulfil(Trial(inputs.assignment_id, inputs.student, inputs.number), into.id)
+
+
+def withdraw_sealed(store: Store, into: Destination) -> None:
+    """Remove the measurement of a job that was cancelled before its end."""
+    if store.measurements.holds(into.id):
+        store.measurements.remove(into.id)
 
 
 def _work_as_long(
@@ -139,11 +152,8 @@ def _is_possible(spec: EffectSpec, structure: Structure, setup: RigSetup) -> boo
     return True
 
 
-def _wait(began: float, least: float, progress: Progress) -> None:
-    """Wait until the next step after the work, and at least as long as a nonlinear test may take."""
-    if SEALING.step == 0:
-        return
-    steps = math.ceil(max(time.monotonic() - began, least) / SEALING.step)
-    while (rest := began + steps * SEALING.step - time.monotonic()) > 0:
+def _keep_process(began: float, least: float, progress: Progress) -> None:
+    """Wait as long as a nonlinear test may take: the next job in the process begins when this one lets go."""
+    while SEALING.step > 0 and (rest := began + least - time.monotonic()) > 0:
         progress(0.0, "measuring")
         time.sleep(min(rest, SEALING.look))
