@@ -1,5 +1,6 @@
 """Measurements of assignments: nothing about the job tells what is hidden."""
 
+import math
 import time
 from dataclasses import dataclass, replace
 
@@ -79,12 +80,12 @@ def measure_sealed_and_store(
     began = time.monotonic()
     structure, setup = store.structures.get(inputs.structure_id), store.rigs.get(inputs.rig_id)
     truth = Truth(inputs.structure_id, possible_effects(options.effects, structure, setup))
-    estimate = SEALING.solution + duration_of_stepped_measurement(setup, options.route).seconds
 
     def mute(_fraction: float, _message: str) -> None:
         progress(0.0, "measuring")
 
-    later = Postponed(SEALING.spare * estimate, SEALING.step)
+    least = SEALING.spare * (SEALING.solution + duration_of_stepped_measurement(setup, options.route).seconds)
+    later = Postponed(least, SEALING.step)
     if store.measurements.holds(into.id):
         return later  # done by an attempt that died later
     measurement: Measurement | None = None
@@ -96,7 +97,7 @@ def measure_sealed_and_store(
         raise
     except ModalLabError:  # told at the time at which a good one ends
         pass
-    _keep_process(began, estimate, progress)
+    _keep_process(began, least, progress)
     if measurement is None:
         return replace(later, error=AssignmentError(_IMPOSSIBLE))
     with store.together() as batch:
@@ -153,7 +154,11 @@ def _is_possible(spec: EffectSpec, structure: Structure, setup: RigSetup) -> boo
 
 
 def _keep_process(began: float, least: float, progress: Progress) -> None:
-    """Wait as long as a nonlinear test may take: the next job in the process begins when this one lets go."""
-    while SEALING.step > 0 and (rest := began + least - time.monotonic()) > 0:
+    """Wait until the next step after the work: the next job in the process begins when this one lets go."""
+    step = min(least, SEALING.step)
+    if step == 0:
+        return
+    steps = math.ceil(max(time.monotonic() - began, least) / step)
+    while (rest := began + steps * step - time.monotonic()) > 0:
         progress(0.0, "measuring")
         time.sleep(min(rest, SEALING.look))

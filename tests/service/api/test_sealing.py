@@ -187,6 +187,26 @@ def test_the_duration_is_a_multiple_of_the_step(school: School, monkeypatch: pyt
     assert np.datetime64(made["created"][:26]) == ended
 
 
+@pytest.mark.parametrize(
+    ("worked", "least", "kept"),
+    [(0.5, 2.0, 2.0), (2.5, 2.0, 4.0), (61.0, 120.0, 120.0), (121.0, 120.0, 125.0)],
+)
+def test_a_process_is_kept_for_steps_too(
+    worked: float, least: float, kept: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now = worked
+
+    def sleep(seconds: float) -> None:
+        nonlocal now
+        now += seconds
+
+    monkeypatch.setattr("modallab.jobs.sealing.time.monotonic", lambda: now)
+    monkeypatch.setattr("modallab.jobs.sealing.time.sleep", sleep)
+    monkeypatch.setattr(sealing, "SEALING", sealing.SealingSettings())
+    sealing._keep_process(0.0, least, lambda *_: None)
+    assert now == pytest.approx(kept)  # rounding of floats
+
+
 @pytest.fixture
 def done(school: School, monkeypatch: pytest.MonkeyPatch) -> tuple[str, StorePlace, DueJob]:
     """Id, store and entry of a job whose work is done and whose end is told in 100 s."""
