@@ -4,6 +4,8 @@ import math
 import time
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from modallab.assignments.terms import AssignmentError
 from modallab.core.errors import CancelledError, InvalidInputError, ModalLabError
 from modallab.core.place import EffectSpec
@@ -14,8 +16,7 @@ from modallab.jobs.destination import Destination
 from modallab.jobs.durations import duration_of_stepped_measurement
 from modallab.jobs.measuring import MeasurementOptions, measured
 from modallab.jobs.postponed import Postponed
-from modallab.rig.effect import Stage, build
-from modallab.rig.measure import Route
+from modallab.rig.effect import build
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 from modallab.store.base import Store, Trial, Truth
@@ -44,6 +45,12 @@ class SealingSettings(Settings):
         doc="ratio of the shortest duration to the estimate",
         derived="other jobs on the same core",
     )
+    samples: int = setting(
+        4096,
+        unit="samples",
+        doc="samples of the work that fills up a test",
+        derived="a tenth of a millisecond",
+    )
     look: float = setting(
         0.5, unit="s", doc="time until a job that waits sees that it was cancelled", derived="as other jobs"
     )
@@ -51,7 +58,6 @@ class SealingSettings(Settings):
 
 SEALING = SealingSettings()
 _IMPOSSIBLE = "the test cannot be carried out as chosen; choose another, or ask the instructor"
-_DECOYS = ("rattle", "cubic_stiffness")  # nonlinear effects that hardly ever fail, the longer one first
 
 
 @dataclass(frozen=True)
@@ -77,27 +83,27 @@ def measure_sealed_and_store(
     Progress, errors and duration are the same whatever is hidden. The student has the measurement when the
     job ends, see `publish_sealed`.
     """
-    began = time.monotonic()
+    began, computed = time.monotonic(), time.thread_time()
     structure, setup = store.structures.get(inputs.structure_id), store.rigs.get(inputs.rig_id)
     truth = Truth(inputs.structure_id, possible_effects(options.effects, structure, setup))
 
     def mute(_fraction: float, _message: str) -> None:
         progress(0.0, "measuring")
 
-    least = SEALING.spare * (SEALING.solution + duration_of_stepped_measurement(setup, options.route).seconds)
-    later = Postponed(least, SEALING.step)
+    estimate = SEALING.solution + duration_of_stepped_measurement(setup, options.route).seconds
+    later = Postponed(SEALING.spare * estimate, SEALING.step)
     if store.measurements.holds(into.id):
         return later  # done by an attempt that died later
     measurement: Measurement | None = None
     try:
         made = measured(store, mute, truth, setup, options.route, options.seed)
         measurement = replace(made, seed=None)
-        _work_as_long(store, mute, truth, setup, options)
     except CancelledError:
         raise
     except ModalLabError:  # told at the time at which a good one ends
         pass
-    _keep_process(began, least, progress)
+    _work_as_long(computed, estimate, progress)
+    _keep_process(began, later.least, progress)
     if measurement is None:
         return replace(later, error=AssignmentError(_IMPOSSIBLE))
     with store.together() as batch:
@@ -119,23 +125,21 @@ def withdraw_sealed(store: Store, into: Destination) -> None:
         store.measurements.remove(into.id)
 
 
-def _work_as_long(
-    store: Store, progress: Progress, truth: Truth, setup: RigSetup, options: MeasurementOptions
-) -> None:
-    """Let a linear test take as much work as a nonlinear one: a busy machine stretches both alike."""
-    is_nonlinear = any(build(spec).stage is Stage.MOTION for spec in truth.effects)
-    if SEALING.step == 0 or is_nonlinear or options.route is not Route.SAMPLED:
+def _work_as_long(began: float, step: float, progress: Progress) -> None:
+    """Compute until the time on the processor is a multiple of a step: busy machines stretch all tests alike.
+
+    Parameters
+    ----------
+    began
+        s, time on the processor at which the test began.
+    """
+    if SEALING.step == 0:
         return
-    for kind in _DECOYS:
-        decoy = EffectSpec(kind, setup.drives[0].point)
-        changed = replace(truth, effects=(*truth.effects, decoy))
-        try:
-            measured(store, progress, changed, setup, options.route, options.seed)
-        except CancelledError:
-            raise
-        except ModalLabError:  # too hard a force for this test
-            continue
-        return
+    steps = math.ceil((time.thread_time() - began) / step)
+    work = np.ones(SEALING.samples)
+    while time.thread_time() < began + steps * step:
+        work = np.fft.irfft(np.fft.rfft(work), SEALING.samples)
+        progress(0.0, "measuring")
 
 
 def possible_effects(
