@@ -5,7 +5,7 @@ What a crash leaves between the two, and what a lost worker leaves, a reconciler
 """
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Self
@@ -253,9 +253,8 @@ class DurableRunner:
     ) -> Job:
         """Queue a task and return its job."""
         job = self._book.open(task, arguments, owner=owner, lane=lane, request=request)
-        assert self._client is not None
         # An id that is queued already is queued once.
-        DbosEngine(self._client, self._notifier).enqueue(job)
+        self._told(lambda engine: engine.enqueue(job))
         _log.info("job queued", job=job.id, task=task)
         return job
 
@@ -287,6 +286,15 @@ class DurableRunner:
         """Stop a job and return it; a job that has ended stays as it is."""
         job = self._book.get(job_id, viewer=viewer)
         if self._book.cancel(job.id):
-            assert self._client is not None
-            self._client.cancel_workflow(job.id, cancel_children=True)
+            self._told(lambda engine: engine.stop(job.id))
         return self._book.get(job.id)
+
+    def _told(self, tell: Callable[[DbosEngine], None]) -> None:
+        """Tell the engine what the book says; where its database is just away a reconciler does later."""
+        assert self._client is not None
+        try:
+            tell(DbosEngine(self._client, self._notifier))
+        except Exception as error:
+            if not is_outage(error):
+                raise
+            _log.warning("the engine of jobs hears of a job later", error=str(error).splitlines()[0])
