@@ -136,10 +136,12 @@ def _work_as_long(began: float, step: float, progress: Progress) -> None:
     if SEALING.step == 0:
         return
     steps = math.ceil((time.thread_time() - began) / step)
-    work = np.ones(SEALING.samples)
-    while time.thread_time() < began + steps * step:
+    work, looked = np.ones(SEALING.samples), time.thread_time()
+    while (now := time.thread_time()) < began + steps * step:
         work = np.fft.irfft(np.fft.rfft(work), SEALING.samples)
-        progress(0.0, "measuring")
+        if now - looked > SEALING.look:  # seldom: each look waits for the database, and tests look seldom
+            looked = now
+            progress(0.0, "measuring")
 
 
 def possible_effects(
