@@ -3,7 +3,6 @@
 import gc
 import os
 import signal
-import threading
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
@@ -18,21 +17,18 @@ from anyio.abc import Process
 from modallab.core.errors import NotFoundError
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
-from modallab.jobs.dbos_engine import DbosEngine, connected
+from modallab.jobs.dbos_engine import DbosEngine
 from modallab.jobs.durable import DurableRunner
 from modallab.jobs.executors import ExecutorBook, ExecutorTakenError
-from modallab.jobs.outages import is_outage
 from modallab.jobs.runner import Job, JobState
 from modallab.jobs.settings import JOB
 from modallab.jobs.studying import StudyInputs
 from modallab.jobs.tasks import STUDY
-from modallab.store.engine import make_engine
 from modallab.store.place import engine_of, open_store
 from modallab.store.viewer import Viewer, Visibility
 from modallab.updating.options import UpdateOptions
 from modallab.updating.parameterisation import parameterise
 from modallab.updating.studies.plan import NOISE_LEVELS, Division, Level, StudyPlan
-from tests.faults.site import Gate
 from tests.service.jobs.lasting import ENDLESS, ME, Places, arguments, book_at, run, until
 
 # A thread of the engine may hand its PostgreSQL connection back when the pool is gone already.
@@ -287,30 +283,3 @@ def test_a_job_whose_entry_the_engine_misses_is_queued_by_the_reconciler(
         assert ended.state is JobState.SUCCEEDED, ended
 
     run(places, work)
-
-
-def test_a_client_of_the_engine_raises_at_once_where_the_database_is_away(places: Places) -> None:
-    """It would wait without end otherwise, and with it signs of life and the end of the process."""
-    url = sa.make_url(places[1].url)
-    if url.get_backend_name() == "sqlite":
-        pytest.skip("a file is not away")
-    gate = Gate(url.host or "127.0.0.1", url.port or 5432)
-    gated = url.set(host="127.0.0.1", port=gate.port).render_as_string(hide_password=False)
-    engine = make_engine(gated, schema=places[1].schema)
-    client = connected(engine, places[1].schema)
-    errors: list[BaseException] = []
-
-    def ask() -> None:
-        try:
-            client.list_workflows(name="job")
-        except sa.exc.DBAPIError as error:
-            errors.append(error)
-
-    asking = threading.Thread(target=ask, daemon=True)
-    with gate.shut():
-        asking.start()
-        asking.join(20.0)  # s: two attempts to connect
-        assert [is_outage(error) for error in errors] == [True]
-    client.destroy()
-    engine.dispose()
-    gate.close()
