@@ -5,7 +5,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Self
@@ -24,13 +24,22 @@ def free_port() -> int:
 
 @contextmanager
 def running(
-    *arguments: str, data: Path, environment: Mapping[str, str] | None = None
+    *arguments: str,
+    data: Path,
+    environment: Mapping[str, str] | None = None,
+    within: Sequence[str] = (),
 ) -> Iterator["subprocess.Popen[bytes]"]:
-    """Yield `python -m modallab` with these arguments; what is left of it is killed in the end."""
+    """Yield `python -m modallab` with these arguments; what is left of it is killed in the end.
+
+    Parameters
+    ----------
+    within
+        Beginning of the command line of a program that starts it in surroundings of its own.
+    """
     clean = {name: value for name, value in os.environ.items() if not name.startswith("MODALLAB_")}
     with (data / "log").open("ab") as log:
         process = subprocess.Popen(
-            [sys.executable, "-m", "modallab", *arguments, "--data", str(data)],
+            [*within, sys.executable, "-m", "modallab", *arguments, "--data", str(data)],
             env=clean | dict(environment or {}),
             stdout=log,
             stderr=log,
@@ -45,8 +54,8 @@ def running(
 class Lab:
     """Requests to a service on a port."""
 
-    def __init__(self, port: int) -> None:
-        self._http = httpx.Client(base_url=f"http://127.0.0.1:{port}/v1", timeout=60)
+    def __init__(self, port: int, *, host: str = "127.0.0.1") -> None:
+        self._http = httpx.Client(base_url=f"http://{host}:{port}/v1", timeout=60)
 
     def __enter__(self) -> Self:
         return self

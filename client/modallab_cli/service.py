@@ -1,8 +1,11 @@
 """Commands that run the service, and the demo."""
 
+import os
 import signal
 import subprocess
 import sys
+import threading
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -113,12 +116,30 @@ def worker(data: Path | None, executor_id: str | None) -> None:
         async with durable_runner(settings):
             with anyio.open_signal_receiver(signal.SIGTERM, signal.SIGINT) as signals:
                 async for _ in signals:
+                    _end_at_last()
                     return  # jobs under way go back to the queue
 
     try:
         anyio.run(work)
     except ExecutorTakenError as error:
         raise click.BadParameter(str(error), param_hint="--executor-id") from None
+
+
+def _end_at_last() -> None:
+    """End this process after a while even if the engine's threads wait for a database that is away."""
+    import psutil
+
+    from modallab.jobs.settings import JOB
+
+    def end() -> None:
+        for child in psutil.Process().children(recursive=True):
+            with suppress(psutil.NoSuchProcess):
+                child.kill()
+        os._exit(1)
+
+    timer = threading.Timer(JOB.longest_end, end)
+    timer.daemon = True
+    timer.start()
 
 
 @click.command()

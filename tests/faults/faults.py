@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 from contextlib import closing
 
+from modallab.jobs.settings import JOB
 from tests.faults.site import Site
 
 Fault = Callable[[Site], None]
@@ -57,6 +58,20 @@ def hosts_replaced(site: Site) -> None:
             site.start_host()
 
 
+def hosts_ended_without_database(site: Site) -> None:
+    """Ask all that runs jobs to end while the database is away; a supervisor starts it anew."""
+    assert site.gate
+    with site.gate.shut():
+        time.sleep(5.0)
+        for host in site.hosts:
+            host.send_signal(signal.SIGTERM)
+        for host in list(site.hosts):
+            host.wait(JOB.longest_end + 5.0)
+    site.hosts.clear()
+    for _ in range(2):
+        site.start_host()
+
+
 def database_away(seconds: float) -> Fault:
     """Return the fault that the database is away for a time."""
 
@@ -92,6 +107,7 @@ FAULTS: dict[str, dict[str, Fault]] = {
     "postgresql": {
         **EVERYWHERE,
         "one host killed": one_host_killed,
+        "hosts ended without database": hosts_ended_without_database,
         "database away for 5 s": database_away(5.0),
         "database away for 45 s": database_away(45.0),
         "database away for 120 s": database_away(120.0),

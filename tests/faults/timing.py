@@ -1,14 +1,17 @@
 """Tells whether times, events and messages of jobs betray a hidden nonlinear effect.
 
     python -m tests.faults.timing --jobs 400
+    python -m tests.faults.timing --jobs 0 --following 60
 
 Half of the jobs measure a test with a hidden cubic spring, half one with a hidden mass, in random order and
 some at a time. A linear classifier is trained on half of them; its AUC on the rest is 0.5 where it can tell
-nothing, and scatters by 0.04 for 200 jobs.
+nothing, and scatters by 0.04 for 200 jobs. `--following` asks a service in a process of its own whether the
+beginning of a job that waits for two of these tells more.
 """
 
 import argparse
 import tempfile
+import time
 from concurrent.futures import ThreadPoolExecutor
 from datetime import datetime
 from pathlib import Path
@@ -19,6 +22,7 @@ from scipy.stats import mannwhitneyu
 
 from modallab.api.settings import ServiceSettings
 from modallab.jobs.sealing import SEALING
+from tests.faults.documented import school_of
 from tests.service.api.authorisation import School, assignment, open_school
 from tests.service.api.conftest import service_of
 
@@ -64,6 +68,32 @@ def auc(values: Array, labels: Array) -> float:
     return float(mannwhitneyu(positive, negative).statistic / (len(positive) * len(negative)))
 
 
+def following(n: int, seed: int) -> float:
+    """Return the AUC of the time until a third job begins, over a number of trials."""
+    labels = np.random.default_rng(seed).permutation(np.arange(n) % 2).astype(float)
+    with tempfile.TemporaryDirectory() as folder, school_of("sqlite", Path(folder)) as (school, _):
+        ids = [new_assignment(school, kind) for kind in ("extra_mass", "cubic_stiffness")]
+        times = np.array([until_the_third(school, ids[int(label)]) for label in labels])
+    for label in (0, 1):
+        print(f"s until the next begins, of {label}: {np.sort(times[labels == label])[:: max(1, n // 10)]}")
+    return auc(times, labels)
+
+
+def until_the_third(school: School, id: str) -> float:
+    """Return the time, s, from the beginning of two measurements to that of a third, which waits for them."""
+    replies = [
+        school.send("student", "POST", f"/v1/assignments/{id}/measurements", json={}) for _ in range(3)
+    ]
+    paths = [f"/v1/jobs/{reply.json()['id']}" for reply in replies]
+    while True:
+        jobs = [school.send("student", "GET", path).json() for path in paths]
+        if all(job["ended"] for job in jobs):
+            break
+        time.sleep(0.2)
+    first, _, third = sorted(datetime.fromisoformat(job["started"]) for job in jobs)
+    return (third - first).total_seconds()
+
+
 def main() -> None:
     """Measure, train, and print the figures."""
     parser = argparse.ArgumentParser(
@@ -72,21 +102,30 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=400)
     parser.add_argument("--at-a-time", type=int, default=4)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--following", type=int, default=0, help="trials of three jobs")
     options = parser.parse_args()
-    labels = np.random.default_rng(options.seed).permutation(np.arange(options.jobs) % 2).astype(float)
+    if options.following:
+        print(f"beginning of the next job: AUC {following(options.following, options.seed):.3f}")
+    if options.jobs:
+        classified(options.jobs, options.at_a_time, options.seed)
+
+
+def classified(n: int, at_a_time: int, seed: int) -> None:
+    """Print what a classifier tells from so many jobs."""
+    labels = np.random.default_rng(seed).permutation(np.arange(n) % 2).astype(float)
     with tempfile.TemporaryDirectory() as folder, service_of(ServiceSettings(data=Path(folder))) as service:
         school = open_school(service)
         ids = [new_assignment(school, kind) for kind in ("extra_mass", "cubic_stiffness")]
-        with ThreadPoolExecutor(options.at_a_time) as pool:
+        with ThreadPoolExecutor(at_a_time) as pool:
             features = np.array(list(pool.map(lambda label: seen(school, ids[int(label)]), labels)))
-    n_training = options.jobs // 2
+    n_training = n // 2
     rest = labels[n_training:]
     steps = [f"{np.unique(np.floor(features[labels == label, 1] / SEALING.step))}" for label in (0, 1)]
     print(f"steps of {SEALING.step:g} s: linear {steps[0]}, nonlinear {steps[1]}")
     for name, column in zip(NAMES, features.T, strict=True):
         print(f"{name}: AUC {auc(column[n_training:], rest):.3f}")
     value = auc(scores(features, labels, n_training)[n_training:], rest)
-    print(f"{options.jobs} jobs, {n_training} for training: AUC {value:.3f} on the rest")
+    print(f"{n} jobs, {n_training} for training: AUC {value:.3f} on the rest")
 
 
 if __name__ == "__main__":

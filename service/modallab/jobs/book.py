@@ -7,6 +7,7 @@ from typing import Any
 import sqlalchemy as sa
 
 from modallab.core.errors import NotFoundError
+from modallab.jobs.postponed import DueJob, Postponed
 from modallab.jobs.queue import ACTIVE, check_room, next_turn, with_places
 from modallab.jobs.runner import Job, JobState, KeyReusedError, Lane, RequestKey
 from modallab.store.quotas import NO_QUOTAS, Quotas
@@ -14,7 +15,8 @@ from modallab.store.sql import new_id
 from modallab.store.tables import JOBS
 from modallab.store.viewer import EVERYONE, Viewer, manageable
 
-_UNSHOWN = ("restarts", "request_key", "request_digest")
+_UNSHOWN = ("restarts", "request_key", "request_digest", "due")
+_UNDONE = sa.and_(ACTIVE, JOBS.c.due.is_(None))
 
 
 class JobBook:
@@ -127,10 +129,10 @@ class JobBook:
             return with_places(connection, jobs)
 
     def active(self) -> list[str]:
-        """Return the ids of all jobs that have not ended, oldest first."""
+        """Return the ids of all jobs whose work is not done, oldest first."""
         with self._engine.begin() as connection:
             return list(
-                connection.execute(sa.select(JOBS.c.id).where(ACTIVE).order_by(JOBS.c.created)).scalars()
+                connection.execute(sa.select(JOBS.c.id).where(_UNDONE).order_by(JOBS.c.created)).scalars()
             )
 
     def needs(self) -> list[Mapping[str, Any]]:
@@ -150,15 +152,18 @@ class JobBook:
             connection.execute(JOBS.delete().where(JOBS.c.id.in_(job_ids), ~ACTIVE))
 
     def is_active(self, job_id: str) -> bool:
-        """Tell whether a job has not ended."""
-        query = sa.select(JOBS.c.id).where(JOBS.c.id == job_id, ACTIVE)
+        """Tell whether a job's work is wanted and not done."""
+        query = sa.select(JOBS.c.id).where(JOBS.c.id == job_id, _UNDONE)
         with self._engine.begin() as connection:
             return connection.execute(query).first() is not None
 
     def start(self, job_id: str) -> bool:
         """Mark a job as running and tell whether it still has to be done."""
         started = sa.func.coalesce(JOBS.c.started, _now())  # of the first attempt
-        return self._change(job_id, state=JobState.RUNNING.value, started=started)
+        update = JOBS.update().where(JOBS.c.id == job_id, _UNDONE)
+        with self._engine.begin() as connection:
+            changed = connection.execute(update.values(state=JobState.RUNNING.value, started=started))
+            return changed.rowcount == 1
 
     def progress(self, job_id: str, fraction: float, message: str) -> bool:
         """Write how far a job is and tell whether it is still wanted."""
@@ -171,20 +176,48 @@ class JobBook:
             connection.execute(update)
             return int(connection.execute(sa.select(JOBS.c.restarts).where(JOBS.c.id == job_id)).scalar_one())
 
+    def postpone(self, job_id: str, later: Postponed, error: Mapping[str, Any] | None) -> None:
+        """Enter when and how a job will end whose work is done."""
+        query = sa.select(JOBS.c.started).where(JOBS.c.id == job_id)
+        with self._engine.begin() as connection:
+            started = connection.execute(query).scalar_one()
+        due = later.due(started, datetime.now(UTC)).isoformat(timespec="microseconds")
+        self._change(job_id, due=due, error=None if error is None else dict(error))
+
+    def due(self) -> list[DueJob]:
+        """Return the jobs that only their end is left of."""
+        columns = JOBS.c.id, JOBS.c.started, JOBS.c.due, ACTIVE, JOBS.c.error.is_(None)
+        with self._engine.begin() as connection:
+            rows = connection.execute(sa.select(*columns).where(JOBS.c.due.is_not(None))).all()
+        return [DueJob(id, started, due, bool(active), bool(good)) for id, started, due, active, good in rows]
+
+    def end_due(self, job_id: str) -> bool:
+        """End a job as was entered, at the time that was; False if it was cancelled."""
+        query = sa.select(JOBS.c.due, JOBS.c.error).where(JOBS.c.id == job_id)
+        with self._engine.begin() as connection:
+            due, error = connection.execute(query).one()
+            forgotten = JOBS.update().where(JOBS.c.id == job_id, ~ACTIVE)
+            connection.execute(forgotten.values(due=None, error=None))
+        values = {"due": None, "ended": due}
+        if error is None:
+            return self._end(job_id, JobState.SUCCEEDED, "finished", fraction=1.0, **values)
+        return self._end(job_id, JobState.FAILED, error["detail"], **values)
+
     def succeed(self, job_id: str) -> bool:
         """End a job whose result is stored."""
         return self._end(job_id, JobState.SUCCEEDED, "finished", fraction=1.0)
 
     def fail(self, job_id: str, error: Mapping[str, Any]) -> bool:
         """End a job with the error that stopped it."""
-        return self._end(job_id, JobState.FAILED, str(error.get("detail", "failed")), error=dict(error))
+        values = {"error": dict(error), "due": None}
+        return self._end(job_id, JobState.FAILED, str(error.get("detail", "failed")), **values)
 
     def cancel(self, job_id: str) -> bool:
         """End a job because its owner asked for it."""
         return self._end(job_id, JobState.CANCELLED, "cancelled")
 
     def _end(self, job_id: str, state: JobState, message: str, **values: Any) -> bool:
-        return self._change(job_id, state=state.value, message=message, ended=_now(), **values)
+        return self._change(job_id, **{"state": state.value, "message": message, "ended": _now()} | values)
 
     def _change(self, job_id: str, **values: Any) -> bool:
         update = JOBS.update().where(JOBS.c.id == job_id, ACTIVE).values(**values)
@@ -194,7 +227,9 @@ class JobBook:
 
 def _job(row: Mapping[str, Any]) -> Job:
     fields = {name: value for name, value in row.items() if name not in _UNSHOWN}
-    return Job(**dict(fields, state=JobState(row["state"]), lane=Lane(row["lane"])))
+    state = JobState(row["state"])
+    error = row["error"] if state is JobState.FAILED else None  # entered before the end of a job that is due
+    return Job(**dict(fields, state=state, lane=Lane(row["lane"]), error=error))
 
 
 def _now() -> str:

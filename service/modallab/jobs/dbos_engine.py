@@ -105,12 +105,13 @@ class DbosEngine:
 
 
 def connected(engine: sa.Engine, schema: str) -> DBOSClient:
-    """Return a client of DBOS's database."""
+    """Return a client of DBOS's database; it raises at once where that is away, and does not wait."""
     return DBOSClient(
         system_database_engine=engine,
         dbos_system_schema=schema,
         serializer=JsonSerializer(),
         application_name=NAME,
+        retry_connection_errors=False,
     )
 
 

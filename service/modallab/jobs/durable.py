@@ -5,7 +5,7 @@ What a crash leaves between the two, and what a lost worker leaves, a reconciler
 """
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Self
@@ -27,7 +27,7 @@ from modallab.jobs.retention import Retention
 from modallab.jobs.runner import Job, JobState, Lane, RequestKey, time_limit_error
 from modallab.jobs.settings import JOB
 from modallab.jobs.wake import Bell, Notifier
-from modallab.jobs.work import INTERNAL, count_shares, describe, log_end, perform, perform_share
+from modallab.jobs.work import INTERNAL, count_shares, describe, end_due, log_end, perform, perform_share
 from modallab.store.engine import make_engine
 from modallab.store.place import StorePlace, engine_of
 from modallab.store.viewer import Viewer
@@ -203,6 +203,7 @@ class DurableRunner:
                 self._book,
                 DbosEngine(self._client, self._notifier),
                 self._retention,
+                end=partial(end_due, self._place),
             )
             await to_thread.run_sync(self._reconciler.start)
         return self
@@ -252,9 +253,8 @@ class DurableRunner:
     ) -> Job:
         """Queue a task and return its job."""
         job = self._book.open(task, arguments, owner=owner, lane=lane, request=request)
-        assert self._client is not None
         # An id that is queued already is queued once.
-        DbosEngine(self._client, self._notifier).enqueue(job)
+        self._told(lambda engine: engine.enqueue(job))
         _log.info("job queued", job=job.id, task=task)
         return job
 
@@ -286,6 +286,15 @@ class DurableRunner:
         """Stop a job and return it; a job that has ended stays as it is."""
         job = self._book.get(job_id, viewer=viewer)
         if self._book.cancel(job.id):
-            assert self._client is not None
-            self._client.cancel_workflow(job.id, cancel_children=True)
+            self._told(lambda engine: engine.stop(job.id))
         return self._book.get(job.id)
+
+    def _told(self, tell: Callable[[DbosEngine], None]) -> None:
+        """Tell the engine what the book says; where its database is just away a reconciler does later."""
+        assert self._client is not None
+        try:
+            tell(DbosEngine(self._client, self._notifier))
+        except Exception as error:
+            if not is_outage(error):
+                raise
+            _log.warning("the engine of jobs hears of a job later", error=str(error).splitlines()[0])

@@ -1,11 +1,13 @@
 """Jobs at once, in the thread that submits them: for tests and small scripts."""
 
+import time
 from collections.abc import Mapping
+from datetime import UTC, datetime
 from typing import Any, Self
 
 from modallab.jobs.book import JobBook
 from modallab.jobs.runner import Job, JobState, Lane, RequestKey
-from modallab.jobs.work import perform
+from modallab.jobs.work import end_due, perform
 from modallab.store.place import StorePlace
 from modallab.store.viewer import Viewer
 
@@ -38,6 +40,10 @@ class InlineRunner:
         fault = perform(self._place, job.id)
         if fault is not None:
             raise RuntimeError(f"task {task} failed:\n{fault}")
+        for due in self._book.due():
+            if due.id == job.id:
+                time.sleep(max(0.0, due.rest(datetime.now(UTC))))
+                end_due(self._place, due)
         return self._book.get(job.id)
 
     def get(self, job_id: str, *, viewer: Viewer) -> Job:

@@ -11,6 +11,7 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from datetime import UTC, datetime
 from typing import Protocol
 
 import psutil
@@ -18,6 +19,8 @@ import structlog
 
 from modallab.jobs.book import JobBook
 from modallab.jobs.executors import Executor, ExecutorBook, Watch
+from modallab.jobs.outages import is_outage
+from modallab.jobs.postponed import DueJob, Timer
 from modallab.jobs.retention import Retention
 from modallab.jobs.runner import Job
 from modallab.jobs.settings import JOB
@@ -81,8 +84,11 @@ class Reconciler:
         book: JobBook,
         engine: Engine,
         retention: Retention | None = None,
+        *,
+        end: Callable[[DueJob], None] | None = None,
     ) -> None:
         self._executor, self._executors, self._book, self._engine = executor, executors, book, engine
+        self._end, self._timer = end, Timer()
         self._retention, self._swept = retention, -math.inf
         self._watch = Watch()
         self._suspects: dict[str, set[str]] = {}
@@ -125,7 +131,7 @@ class Reconciler:
         """Take over what lost executors left, and make book and engine agree."""
         self._take_over()
         active = set(self._book.active())
-        if active or any(self._suspects.values()):
+        if self._end_due() or active or any(self._suspects.values()):
             self._idle_beats = -1
         states = self._engine.states(sorted(active)) if active else {}
         unknown = {job_id for job_id in active if job_id not in states}
@@ -134,6 +140,24 @@ class Reconciler:
         self._settle("unknown", unknown, self._enqueue, active=True)
         self._settle("ended", ended, self._restart, active=True)
         self._settle("unwanted", unwanted, self._engine.stop, active=False)
+
+    def _end_due(self) -> bool:
+        """End the jobs whose time has come, and return whether others are left."""
+        jobs = self._book.due() if self._end is not None else []
+        over = self._timer.over(jobs, datetime.now(UTC))
+        for job in over:
+            self._end_one(job)
+        return len(over) < len(jobs)
+
+    def _end_one(self, job: DueJob) -> None:
+        assert self._end is not None
+        try:
+            self._end(job)
+        except Exception as error:
+            if is_outage(error):
+                raise
+            _log.exception("a job could not be ended", job=job.id)
+            self._book.fail(job.id, INTERNAL)
 
     def _take_over(self) -> None:
         # Owners first: an executor that has a job has entered before, and is then among the executors.

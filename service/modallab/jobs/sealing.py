@@ -4,6 +4,8 @@ import math
 import time
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from modallab.assignments.terms import AssignmentError
 from modallab.core.errors import CancelledError, InvalidInputError, ModalLabError
 from modallab.core.place import EffectSpec
@@ -13,11 +15,12 @@ from modallab.fe.structure import Structure
 from modallab.jobs.destination import Destination
 from modallab.jobs.durations import duration_of_stepped_measurement
 from modallab.jobs.measuring import MeasurementOptions, measured
-from modallab.rig.effect import Stage, build
-from modallab.rig.measure import Route
+from modallab.jobs.postponed import Postponed
+from modallab.rig.effect import build
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 from modallab.store.base import Store, Trial, Truth
+from modallab.store.viewer import UNPUBLISHED
 
 
 @dataclass(frozen=True)
@@ -42,13 +45,19 @@ class SealingSettings(Settings):
         doc="ratio of the shortest duration to the estimate",
         derived="other jobs on the same core",
     )
+    samples: int = setting(
+        4096,
+        unit="samples",
+        doc="samples of the work that fills up a test",
+        derived="a tenth of a millisecond",
+    )
     look: float = setting(
         0.5, unit="s", doc="time until a job that waits sees that it was cancelled", derived="as other jobs"
     )
 
 
 SEALING = SealingSettings()
-_DECOYS = ("rattle", "cubic_stiffness")  # nonlinear effects that hardly ever fail, the longer one first
+_IMPOSSIBLE = "the test cannot be carried out as chosen; choose another, or ask the instructor"
 
 
 @dataclass(frozen=True)
@@ -68,60 +77,71 @@ class SealedInputs:
 
 def measure_sealed_and_store(
     store: Store, progress: Progress, into: Destination, inputs: SealedInputs, options: MeasurementOptions
-) -> None:
+) -> Postponed:
     """Run the virtual test of an assignment; store the measurement without seed, and the instructor's truth.
 
-    Progress, errors and duration are the same whatever is hidden. The measurement is stored at the end, for
-    its entry tells when that was.
+    Progress, errors and duration are the same whatever is hidden. The student has the measurement when the
+    job ends, see `publish_sealed`.
     """
-    if store.measurements.holds(into.id):
-        return  # done by an attempt that died later
-    began = time.monotonic()
+    began, computed = time.monotonic(), time.thread_time()
     structure, setup = store.structures.get(inputs.structure_id), store.rigs.get(inputs.rig_id)
     truth = Truth(inputs.structure_id, possible_effects(options.effects, structure, setup))
-    estimate = SEALING.solution + duration_of_stepped_measurement(setup, options.route).seconds
 
     def mute(_fraction: float, _message: str) -> None:
         progress(0.0, "measuring")
 
+    estimate = SEALING.solution + duration_of_stepped_measurement(setup, options.route).seconds
+    later = Postponed(SEALING.spare * estimate, SEALING.step)
+    if store.measurements.holds(into.id):
+        return later  # done by an attempt that died later
     measurement: Measurement | None = None
     try:
         made = measured(store, mute, truth, setup, options.route, options.seed)
         measurement = replace(made, seed=None)
-        _work_as_long(store, mute, truth, setup, options)
     except CancelledError:
         raise
-    except ModalLabError:  # told below, at the time at which a good one ends
+    except ModalLabError:  # told at the time at which a good one ends
         pass
-    _wait(began, SEALING.spare * estimate, progress)
+    _work_as_long(computed, estimate, progress)
+    _keep_process(began, later.least, progress)
     if measurement is None:
-        raise AssignmentError(
-            "the test cannot be carried out as chosen; choose another, or ask the instructor"
-        )
-    trial = Trial(inputs.assignment_id, inputs.student, inputs.number)
+        return replace(later, error=AssignmentError(_IMPOSSIBLE))
     with store.together() as batch:
-        batch.measurements.add(measurement, owner=into.owner, inputs={"rig_id": inputs.rig_id}, id=into.id)
+        batch.measurements.add(measurement, owner=UNPUBLISHED, inputs={"rig_id": inputs.rig_id}, id=into.id)
         batch.truths.add(truth, measurement_id=into.id, owner=inputs.instructor)
-        batch.trials.fulfil(trial, into.id)
+    return later
 
 
-def _work_as_long(
-    store: Store, progress: Progress, truth: Truth, setup: RigSetup, options: MeasurementOptions
-) -> None:
-    """Let a linear test take as much work as a nonlinear one: a busy machine stretches both alike."""
-    is_nonlinear = any(build(spec).stage is Stage.MOTION for spec in truth.effects)
-    if SEALING.step == 0 or is_nonlinear or options.route is not Route.SAMPLED:
+def publish_sealed(store: Store, into: Destination, inputs: SealedInputs, at: str) -> None:
+    """Give the measurement of an assignment to the student; it is entered as made at that time."""
+    with store.together() as batch:
+        batch.measurements.hand_over(into.id, owner=into.owner, created=at)
+        batch.trials.fulfil(Trial(inputs.assignment_id, inputs.student, inputs.number), into.id)
+
+
+def withdraw_sealed(store: Store, into: Destination) -> None:
+    """Remove the measurement of a job that was cancelled before its end."""
+    if store.measurements.holds(into.id):
+        store.measurements.remove(into.id)
+
+
+def _work_as_long(began: float, step: float, progress: Progress) -> None:
+    """Compute until the time on the processor is a multiple of a step: busy machines stretch all tests alike.
+
+    Parameters
+    ----------
+    began
+        s, time on the processor at which the test began.
+    """
+    if SEALING.step == 0:
         return
-    for kind in _DECOYS:
-        decoy = EffectSpec(kind, setup.drives[0].point)
-        changed = replace(truth, effects=(*truth.effects, decoy))
-        try:
-            measured(store, progress, changed, setup, options.route, options.seed)
-        except CancelledError:
-            raise
-        except ModalLabError:  # too hard a force for this test
-            continue
-        return
+    steps = math.ceil((time.thread_time() - began) / step)
+    work, looked = np.ones(SEALING.samples), time.thread_time()
+    while (now := time.thread_time()) < began + steps * step:
+        work = np.fft.irfft(np.fft.rfft(work), SEALING.samples)
+        if now - looked > SEALING.look:  # seldom: each look waits for the database, and tests look seldom
+            looked = now
+            progress(0.0, "measuring")
 
 
 def possible_effects(
@@ -139,11 +159,12 @@ def _is_possible(spec: EffectSpec, structure: Structure, setup: RigSetup) -> boo
     return True
 
 
-def _wait(began: float, least: float, progress: Progress) -> None:
-    """Wait until the next step after the work, and at least as long as a nonlinear test may take."""
-    if SEALING.step == 0:
+def _keep_process(began: float, least: float, progress: Progress) -> None:
+    """Wait until the next step after the work: the next job in the process begins when this one lets go."""
+    step = min(least, SEALING.step)
+    if step == 0:
         return
-    steps = math.ceil(max(time.monotonic() - began, least) / SEALING.step)
-    while (rest := began + steps * SEALING.step - time.monotonic()) > 0:
+    steps = math.ceil(max(time.monotonic() - began, least) / step)
+    while (rest := began + steps * step - time.monotonic()) > 0:
         progress(0.0, "measuring")
         time.sleep(min(rest, SEALING.look))

@@ -30,6 +30,12 @@ class JobSettings(Settings):
     longest_stop: float = setting(
         0.5, unit="s", doc="time until a thread that waits sees that it has to end", derived="of a shutdown"
     )
+    longest_end: float = setting(
+        20.0,
+        unit="s",
+        doc="time after which a worker that was asked to end ends whatever is under way",
+        derived="it ends within 5 s unless the database is away; what it leaves is taken over",
+    )
     max_attempts: int = setting(
         14,
         unit="attempts",

@@ -20,7 +20,13 @@ from modallab.jobs.destination import Destination
 from modallab.jobs.diagnosing import DiagnosisInputs, diagnose_and_store
 from modallab.jobs.extracting import ExtractionInputs, ExtractionRequest, extract_and_store
 from modallab.jobs.measuring import MeasurementInputs, MeasurementOptions, measure_and_store
-from modallab.jobs.sealing import SealedInputs, measure_sealed_and_store
+from modallab.jobs.postponed import Postponed
+from modallab.jobs.sealing import (
+    SealedInputs,
+    measure_sealed_and_store,
+    publish_sealed,
+    withdraw_sealed,
+)
 from modallab.jobs.studying import StudyInputs, count_runs, run_of_study, study_and_store
 from modallab.jobs.updating import UpdateInputs, UpdateRequest, update_and_store
 from modallab.store.base import Store
@@ -42,7 +48,7 @@ class Task(Generic[InputsT, OptionsT]):
     """Long work with a name; called with the arguments of a job, it does it."""
 
     name: str
-    run: Callable[[Store, Progress, Destination, InputsT, OptionsT], None]
+    run: Callable[[Store, Progress, Destination, InputsT, OptionsT], Postponed | None]
     """Function of a store, a progress callback, a destination, inputs and options."""
     inputs: type[InputsT]
     """Dataclass of the ids of stored things."""
@@ -64,11 +70,11 @@ class Task(Generic[InputsT, OptionsT]):
 
     def __call__(
         self, store: Store, progress: Progress, into: Destination, *, shares: Json = None, **arguments: Json
-    ) -> None:
-        """Run the task with the arguments of a job, and store its result."""
+    ) -> Postponed | None:
+        """Run the task with a job's arguments, and store its result; return when the job ends, if later."""
         inputs, options = self.decoded(arguments)
-        run: Callable[..., None] = self.run
-        run(store, progress, into, inputs, options, **({} if shares is None else {"shares": shares}))
+        run: Callable[..., Postponed | None] = self.run
+        return run(store, progress, into, inputs, options, **({} if shares is None else {"shares": shares}))
 
 
 def _from_fields(cls: type[OptionsT], values: Mapping[str, Json]) -> OptionsT:
@@ -103,7 +109,27 @@ UPDATE = Task("update_and_store", update_and_store, UpdateInputs, UpdateRequest)
 DIAGNOSIS = Task("diagnose_and_store", diagnose_and_store, DiagnosisInputs, DiagnosisOptions)
 STUDY = Task("study_and_store", study_and_store, StudyInputs, StudyPlan)
 
-TASKS: Mapping[str, Callable[..., None]] = {
+TASKS: Mapping[str, Callable[..., Postponed | None]] = {
     task.name: task for task in (MEASUREMENT, SEALED_MEASUREMENT, EXTRACTION, UPDATE, DIAGNOSIS, STUDY)
 }
 SHARES_BY_TASK: Mapping[str, Shares[Any, Any]] = {STUDY.name: Shares(STUDY, count_runs, run_of_study)}
+
+
+@dataclass(frozen=True)
+class Ending(Generic[InputsT]):
+    """The end of a task that is told later than its work is done."""
+
+    task: Task[InputsT, Any]
+    publish_function: Callable[[Store, Destination, InputsT, str], None]
+    """Gives the result to its owner, as made at a time, ISO 8601."""
+    withdraw: Callable[[Store, Destination], None]
+    """Removes the result."""
+
+    def publish(self, store: Store, into: Destination, at: str, **arguments: Json) -> None:
+        """Give the result of a job with these arguments to its owner."""
+        self.publish_function(store, into, self.task.decoded(arguments)[0], at)
+
+
+ENDINGS_BY_TASK: Mapping[str, Ending[Any]] = {
+    SEALED_MEASUREMENT.name: Ending(SEALED_MEASUREMENT, publish_sealed, withdraw_sealed)
+}

@@ -8,6 +8,7 @@ import sqlalchemy as sa
 import structlog
 
 from modallab.jobs.settings import JOB
+from modallab.store.engine import server_arguments
 
 _log = structlog.get_logger()
 
@@ -107,7 +108,7 @@ class Notifier:
         url = self._engine.url.set(drivername="postgresql").render_as_string(hide_password=False)
         while not self._ended.is_set():
             try:
-                with psycopg.connect(url, autocommit=True) as connection:
+                with psycopg.connect(url, autocommit=True, **server_arguments()) as connection:
                     connection.execute(f'LISTEN "{self._channel}"')
                     self._bell.ring()  # for what was called meanwhile
                     while not self._ended.is_set():

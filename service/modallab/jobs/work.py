@@ -14,9 +14,10 @@ from modallab.core.errors import CancelledError, ModalLabError, sentence
 from modallab.jobs.book import JobBook
 from modallab.jobs.destination import Destination
 from modallab.jobs.outages import is_outage, patiently
+from modallab.jobs.postponed import DueJob
 from modallab.jobs.runner import Job
 from modallab.jobs.settings import JOB
-from modallab.jobs.tasks import SHARES_BY_TASK, TASKS
+from modallab.jobs.tasks import ENDINGS_BY_TASK, SHARES_BY_TASK, TASKS
 from modallab.store.base import Store
 from modallab.store.place import StorePlace, engine_of, open_store
 
@@ -125,7 +126,7 @@ def _performed(place: StorePlace, job_id: str, shares: Sequence[Json] | None) ->
     into = Destination(job.owner, job.result_id)
     keywords = {} if shares is None else {"shares": shares}
     try:
-        TASKS[job.task](open_store(place), Reporter(book, job_id), into, **job.arguments, **keywords)
+        later = TASKS[job.task](open_store(place), Reporter(book, job_id), into, **job.arguments, **keywords)
     except CancelledError:
         return None
     except ModalLabError as error:
@@ -136,12 +137,31 @@ def _performed(place: StorePlace, job_id: str, shares: Sequence[Json] | None) ->
             raise
         patiently(book.fail, job_id, INTERNAL)
         return traceback.format_exc()
-    patiently(book.succeed, job_id)
+    if later is None:
+        patiently(book.succeed, job_id)
+    else:
+        problem = None if later.error is None else describe(later.error)
+        patiently(book.postpone, job_id, later, problem)
     return None
 
 
+def end_due(place: StorePlace, due: DueJob) -> None:
+    """End a job whose time has come: its owner has the result, or nobody has if the job was cancelled."""
+    book, store = JobBook(engine_of(place), queue_length=0), cast(Store, open_store(place))
+    job = book.get(due.id)
+    into, ending = Destination(job.owner, job.result_id), ENDINGS_BY_TASK[job.task]
+    if due.active and due.good:
+        ending.publish(store, into, due.due, **job.arguments)
+    else:
+        ending.withdraw(store, into)
+    if book.end_due(due.id):
+        log_end(book.get(due.id))
+
+
 def log_end(job: Job) -> None:
-    """Log a job that has ended, with the seconds that it waited and ran."""
+    """Log a job that has ended, with the seconds that it waited and ran; no other."""
+    if not job.state.final:
+        return
     moments = [
         None if m is None else datetime.fromisoformat(m) for m in (job.created, job.started, job.ended)
     ]

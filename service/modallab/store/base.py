@@ -133,6 +133,16 @@ class Shelf(Protocol[T]):
         """Change what is said of a thing."""
         ...
 
+    def hand_over(self, id: str, *, owner: str, created: str) -> None:
+        """Give a thing that nobody has, stored for `UNPUBLISHED`, to its owner.
+
+        Parameters
+        ----------
+        created
+            ISO 8601, UTC, time from which it is there.
+        """
+        ...
+
     def npz(self, id: str) -> bytes:
         """Return a thing's arrays as an uncompressed npz file, as they lie in the store."""
         ...

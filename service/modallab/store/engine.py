@@ -38,20 +38,31 @@ def make_engine(url: str, *, schema: str) -> sa.Engine:
     parsed = sa.make_url(url)
     if parsed.get_backend_name() == "sqlite":
         return _sqlite_engine(parsed)
-    server = {"search_path": schema, "tcp_user_timeout": _UNANSWERED}
-    server |= {f"tcp_{name}": value for name, value in _PROBES.items()}
     return sa.create_engine(
         parsed.set(drivername="postgresql+psycopg"),
-        connect_args={
-            "options": " ".join(f"-c{name}={value}" for name, value in server.items()),
-            "connect_timeout": _CONNECT_TIMEOUT,
-            "tcp_user_timeout": _UNANSWERED,
-            **_PROBES,
-        },
+        connect_args=server_arguments(search_path=schema),
         pool_pre_ping=True,
         pool_size=10,
         max_overflow=30,  # as many as the web server's threads
     )
+
+
+def server_arguments(**settings: str) -> dict[str, Any]:
+    """Return arguments of a connection to a database server: both ends soon notice that the other is gone.
+
+    Parameters
+    ----------
+    settings
+        Settings of the server for this connection.
+    """
+    server: dict[str, Any] = settings | {"tcp_user_timeout": _UNANSWERED}
+    server |= {f"tcp_{name}": value for name, value in _PROBES.items()}
+    return {
+        "options": " ".join(f"-c{name}={value}" for name, value in server.items()),
+        "connect_timeout": _CONNECT_TIMEOUT,
+        "tcp_user_timeout": _UNANSWERED,
+        **_PROBES,
+    }
 
 
 def _sqlite_engine(url: sa.URL) -> sa.Engine:

@@ -21,7 +21,7 @@ from modallab.store.npz import pack, unpack
 from modallab.store.plain import from_plain, to_plain
 from modallab.store.tables import LINKS, THINGS, TRUTHS
 from modallab.store.trials import SqlTrials
-from modallab.store.viewer import EVERYONE, Viewer, manageable, readable
+from modallab.store.viewer import EVERYONE, UNPUBLISHED, Viewer, manageable, readable
 from modallab.store.weights import weight_of
 
 T = TypeVar("T")
@@ -151,6 +151,12 @@ class SqlShelf(Generic[T]):
         with self._connect() as connection:
             if connection.execute(change.returning(THINGS.c.id)).first() is None:
                 raise self._shared()
+
+    def hand_over(self, id: str, *, owner: str, created: str) -> None:
+        """Give a thing that nobody has to its owner; nothing happens if somebody has it."""
+        change = THINGS.update().where(THINGS.c.id == id, THINGS.c.owner == UNPUBLISHED)
+        with self._connect() as connection:
+            connection.execute(change.values(owner=owner, created=created))
 
     def _shared(self) -> ForbiddenError:
         return ForbiddenError(

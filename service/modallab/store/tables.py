@@ -67,6 +67,7 @@ JOBS = sa.Table(
     sa.Column("restarts", sa.Integer, nullable=False, server_default="0"),
     sa.Column("started", sa.String(40)),
     sa.Column("ended", sa.String(40)),
+    sa.Column("due", sa.String(40)),  # when the end of a job is told whose work is done; null: no such job
     sa.Column("request_key", sa.String(128)),  # of the request that started it
     sa.Column("request_digest", sa.String(64)),
     sa.Column("lane", sa.String(16), nullable=False, server_default="long"),
@@ -77,6 +78,7 @@ JOBS = sa.Table(
     sa.Index("ix_jobs_request", "owner", "request_key", unique=True),
     sa.Index("ix_jobs_created", "owner", "created", "id"),
     sa.Index("ix_jobs_age", "created", "id"),
+    sa.Index("ix_jobs_due", "due"),
 )
 
 # Processes that run jobs, each with a counter that rises while it lives.

@@ -14,6 +14,8 @@ import sqlalchemy as sa
 from modallab.store.tables import CLASSES, KEYS, SHARES, THINGS
 
 LOCAL = "local"
+UNPUBLISHED = "unpublished"
+"""Owner of what its owner shall have later: no key has this id."""
 
 
 class Visibility(StrEnum):

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from datetime import datetime
 
 import pytest
 import sqlalchemy as sa
@@ -10,6 +11,7 @@ from modallab.core.errors import NotFoundError
 from modallab.jobs import book as module
 from modallab.jobs.book import JobBook
 from modallab.jobs.durable import JobPlace
+from modallab.jobs.postponed import Postponed
 from modallab.jobs.runner import JobState, QueueFullError, RequestKey
 from modallab.store.place import StorePlace, engine_of
 from modallab.store.viewer import Viewer, Visibility
@@ -68,6 +70,41 @@ def test_active_jobs_are_those_that_have_not_ended(places: Places) -> None:
     book.start(ids[0])
     book.cancel(ids[1])
     assert book.active() == [ids[0], ids[2]]
+
+
+@pytest.mark.parametrize("error", [None, {"code": "assignment", "detail": "no"}])
+def test_a_job_whose_end_is_told_later_runs_for_its_owner_and_for_nobody_who_works(
+    places: Places, error: dict[str, str] | None
+) -> None:
+    book = book_at(places)
+    job = book.open("update_and_store", {}, owner="me")
+    book.start(job.id)
+    running = book.get(job.id)
+    book.postpone(job.id, Postponed(least=5.0, step=5.0), error)
+    assert book.get(job.id) == running
+    assert (book.active(), book.is_active(job.id), book.start(job.id)) == ([], False, False)
+    (due,) = book.due()
+    assert (due.id, due.active, due.good) == (job.id, True, error is None)
+    assert book.end_due(job.id)
+    ended = book.get(job.id)
+    assert (ended.state, ended.error) == (JobState.FAILED if error else JobState.SUCCEEDED, error)
+    assert ended.started is not None
+    assert ended.ended is not None
+    seconds = datetime.fromisoformat(ended.ended) - datetime.fromisoformat(ended.started)
+    assert seconds.total_seconds() == 5.0  # not the time at which it was ended
+    assert book.due() == []
+
+
+def test_a_job_whose_end_is_told_later_can_be_cancelled(places: Places) -> None:
+    book = book_at(places)
+    job = book.open("update_and_store", {}, owner="me")
+    book.start(job.id)
+    book.postpone(job.id, Postponed(least=5.0, step=5.0), {"code": "assignment", "detail": "no"})
+    assert book.cancel(job.id)
+    assert [due.active for due in book.due()] == [False]
+    assert not book.end_due(job.id)
+    ended = book.get(job.id)
+    assert (ended.state, ended.error, book.due()) == (JobState.CANCELLED, None, [])
 
 
 def test_a_wait_is_estimated_by_the_latest_jobs_of_the_kind(

@@ -10,12 +10,14 @@ from typing import Any
 
 import anyio
 import pytest
+import sqlalchemy as sa
 from anyio import to_process, to_thread
 from anyio.abc import Process
 
 from modallab.core.errors import NotFoundError
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
+from modallab.jobs.dbos_engine import DbosEngine
 from modallab.jobs.durable import DurableRunner
 from modallab.jobs.executors import ExecutorBook, ExecutorTakenError
 from modallab.jobs.runner import Job, JobState
@@ -264,3 +266,20 @@ def test_a_second_executor_of_a_name_is_refused(places: Places) -> None:
 
     anyio.run(main)
     gc.collect()
+
+
+def test_a_job_whose_entry_the_engine_misses_is_queued_by_the_reconciler(
+    places: Places, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def away(*_: object) -> None:
+        raise sa.exc.InterfaceError("INSERT", {}, Exception("the database is away"))
+
+    async def work(runner: DurableRunner) -> None:
+        given = arguments(places, UpdateOptions(max_iterations=2))
+        with monkeypatch.context() as patch:
+            patch.setattr(DbosEngine, "enqueue", away)
+            job = await to_thread.run_sync(partial(runner.submit, "update_and_store", given, owner="me"))
+        ended = await until(runner, job, lambda j: j.state.final)
+        assert ended.state is JobState.SUCCEEDED, ended
+
+    run(places, work)

@@ -8,6 +8,7 @@ import pytest
 
 from modallab.jobs.book import JobBook
 from modallab.jobs.executors import Executor, ExecutorBook
+from modallab.jobs.postponed import DueJob, Postponed
 from modallab.jobs.reconciler import Reconciler, end_stopped_children
 from modallab.jobs.runner import Job, JobState
 from modallab.jobs.settings import JOB
@@ -128,6 +129,42 @@ def test_what_an_executor_nobody_knows_left_is_queued_anew(executors: ExecutorBo
     engine = Engine(running_on={"local"})  # as before executors were entered
     reconciler(executors, book, engine).mend()
     assert engine.asked == [("recover", "local")]
+
+
+def test_a_job_whose_work_is_done_is_left_alone_until_its_time_has_come(
+    executors: ExecutorBook, book: JobBook
+) -> None:
+    job, engine = book.open("update_and_store", {}, owner="me"), Engine()
+    ended: list[DueJob] = []
+    engine.known[job.id] = False
+    book.start(job.id)
+    book.postpone(job.id, Postponed(least=5.0, step=5.0), None)
+    reconciles = Reconciler(MINE, executors, book, engine, end=ended.append)
+    now = 0.0
+    reconciles._timer.clock = lambda: now
+    for _ in range(3):
+        reconciles.mend()
+    assert (engine.asked, ended) == ([], [])
+    now = 5.0
+    reconciles.mend()
+    assert [due.id for due in ended] == [job.id]
+    assert engine.asked == []
+
+
+def test_a_job_that_cannot_be_ended_fails_and_others_end(executors: ExecutorBook, book: JobBook) -> None:
+    ids = [book.open("update_and_store", {}, owner="me").id for _ in range(2)]
+    for id in ids:
+        book.start(id)
+        book.postpone(id, Postponed(least=0.0, step=0.0), None)
+
+    def end(job: DueJob) -> None:
+        if job.id == ids[0]:
+            raise ZeroDivisionError
+        book.end_due(job.id)
+
+    Reconciler(MINE, executors, book, Engine(), end=end).mend()
+    assert [book.get(id).state for id in ids] == [JobState.FAILED, JobState.SUCCEEDED]
+    assert book.due() == []
 
 
 @dataclass

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from functools import partial
 
 import anyio
+import psycopg
 import pytest
 from anyio import to_thread
 
@@ -106,3 +107,29 @@ def test_a_job_starts_at_once_although_looks_are_seldom(places: Places) -> None:
 
     # On a busy machine; a look that nobody called for would be 4 s later.
     assert anyio.run(main) < 2.0
+
+
+def test_who_listens_soon_notices_that_it_was_cut_off(
+    places: Places, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A host that was cut off has heard nothing since; without probes it would not for two hours."""
+    engine = make_engine(places[1].url, schema=places[1].schema)
+    if engine.dialect.name != "postgresql":
+        pytest.skip("SQLite has no connections")
+    opened: list[psycopg.ConnectionInfo] = []
+    connect = psycopg.connect
+
+    def noted(*given: object, **more: object) -> psycopg.Connection:
+        connection = connect(*given, **more)  # type: ignore[arg-type]
+        opened.append(connection.info)
+        return connection
+
+    monkeypatch.setattr(psycopg, "connect", noted)
+    listening = Notifier(engine, places[1].schema, quiet_bell())
+    listening.listen()
+    assert until(lambda: bool(opened))
+    given = opened[0].get_parameters()
+    listening.end()
+    idle, interval, count = (int(given[f"keepalives_{name}"]) for name in ("idle", "interval", "count"))
+    assert idle + interval * count <= 30  # s, as soon as jobs of a lost host move
+    assert int(given["connect_timeout"]) <= 10  # s: at its end the process waits for this thread
