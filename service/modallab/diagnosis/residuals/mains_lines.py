@@ -11,6 +11,7 @@ from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.settings import MAINS_LINES
 from modallab.estimation.settings import FORCE_NOISE
 from modallab.rig.analyser import Analyser
+from modallab.rig.frf_channel import force_numbers
 
 
 def with_mains_errors(observed: Observed, analyser: Analyser, spectra: ChannelSpectra) -> Observed:
@@ -99,10 +100,12 @@ class _Sine:
         return np.asarray(self._ratio(noise) > MAINS_LINES.least_ratio)
 
     def force_share(self, spectra: ChannelSpectra) -> FloatArray | float:
-        """Return the largest share (n_out,) that it may have in the power of the force."""
-        force = spectra.force_by_channel
-        if force is None:
+        """Return the largest share (n_out,) that it may have in the power of a force of the run."""
+        if spectra.force is None:
             return MAINS_LINES.unknown_share
         by_chance = 1 / np.sqrt(spectra.averages)
-        share = 1 - 1 / np.maximum(self._ratio(force), 1.0) + by_chance
-        return np.asarray(np.minimum(share, MAINS_LINES.largest_share))
+        share = 1 - 1 / np.maximum(self._ratio(spectra.force), 1.0) + by_chance
+        runs = np.array([channel.run for channel in spectra.channels])
+        largest = np.zeros(runs.max() + 1)
+        np.maximum.at(largest, runs, share[force_numbers(spectra.channels)])
+        return np.asarray(np.minimum(largest[runs], MAINS_LINES.largest_share))
