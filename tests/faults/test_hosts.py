@@ -21,7 +21,7 @@ def two_hosts(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Pair]:
 @pytest.mark.parametrize("cut", CUTS)
 def test_the_job_of_a_host_that_is_cut_off_ends_on_the_other(two_hosts: Pair, cut: str) -> None:
     expected = two_hosts.undisturbed()
-    outcome = cut_off(two_hosts, CUTS[cut], 0.3)
+    outcome = cut_off(two_hosts, CUTS[cut], 0.1)
     assert outcome.found == expected
     assert outcome.again == expected
     assert two_hosts.stored() == (two_hosts.jobs, 0, 0)
