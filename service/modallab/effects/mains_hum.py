@@ -33,7 +33,7 @@ class MainsHum(Effect):
     """
 
     kind: ClassVar[str] = "mains_hum"
-    summary: ClassVar[str] = "mains frequency and odd harmonics on the response signals"
+    summary: ClassVar[str] = "mains frequency and its harmonics on the response signals"
     stage: ClassVar[Stage] = Stage.NOISE
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Channels)
     ratio: float = parameter(
@@ -53,7 +53,7 @@ class MainsHum(Effect):
         absent=None,
         scan_values=MAINS.frequencies,
     )
-    second: float = parameter(
+    second_harmonic: float = parameter(
         0.0,
         unit="1",
         lower=0.0,
@@ -62,7 +62,7 @@ class MainsHum(Effect):
         absent=None,
         optional_start=MAINS.harmonic_start,
     )
-    third: float = parameter(
+    third_harmonic: float = parameter(
         1 / 3,
         unit="1",
         lower=0.0,
@@ -71,7 +71,7 @@ class MainsHum(Effect):
         absent=None,
         optional_start=MAINS.harmonic_start,
     )
-    higher: float = parameter(
+    higher_harmonics: float = parameter(
         1.0,
         unit="1",
         lower=0.0,
@@ -95,7 +95,7 @@ class MainsHum(Effect):
         orders, amplitudes = self._harmonics(acquisition)
         n_block, _, n_samples = batch.samples.shape
         start = rng.uniform(0, 2 * np.pi, (n_block, len(MAINS.odd_harmonics)))
-        if self.second:
+        if self.second_harmonic:
             start = np.hstack([start, rng.uniform(0, 2 * np.pi, (n_block, 1))])
         start = start[:, self._inside(acquisition), None]
         turn = 2 * np.pi * self.frequency / acquisition.sample_rate * np.arange(n_samples)
@@ -105,15 +105,15 @@ class MainsHum(Effect):
 
     @property
     def _orders(self) -> FloatArray:
-        return np.array([*MAINS.odd_harmonics, *([2] if self.second else [])], float)
+        return np.array([*MAINS.odd_harmonics, *([2] if self.second_harmonic else [])], float)
 
     def _inside(self, acquisition: Acquisition) -> BoolArray:
         return np.asarray(self._orders * self.frequency <= acquisition.analyser.frequency_max)
 
     def _harmonics(self, acquisition: Acquisition) -> tuple[FloatArray, FloatArray]:
         """Return order and amplitude over the fundamental's, (n,) each, of the harmonics in the band."""
-        known = {1.0: 1.0, 2.0: self.second, 3.0: self.third}
-        amplitudes = np.array([known.get(order, self.higher / order) for order in self._orders])
+        known = {1.0: 1.0, 2.0: self.second_harmonic, 3.0: self.third_harmonic}
+        amplitudes = np.array([known.get(order, self.higher_harmonics / order) for order in self._orders])
         inside = self._inside(acquisition)
         return self._orders[inside], amplitudes[inside]
 

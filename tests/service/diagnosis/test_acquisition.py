@@ -49,4 +49,6 @@ def test_hum_in_force_and_responses_is_named_alone() -> None:
     (step,) = found.steps
     assert step.effect.kind == "mains_hum"
     assert step.effect.parameters["frequency"].value == pytest.approx(60.0, abs=0.1)
-    assert step.effect.parameters["second"].value == pytest.approx(0.6, rel=0.3)  # powers are known to 17 %
+    assert step.effect.parameters["second_harmonic"].value == pytest.approx(
+        0.6, rel=0.3
+    )  # powers are known to 17 %

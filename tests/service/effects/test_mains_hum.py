@@ -67,7 +67,7 @@ def test_on_the_grid_without_a_window_four_lines_hold_it_all() -> None:
 
 
 def test_each_harmonic_has_its_own_amplitude() -> None:
-    hum = MainsHum(ratio=0.1, second=0.5, third=0.2, higher=2.0)
+    hum = MainsHum(ratio=0.1, second_harmonic=0.5, third_harmonic=0.2, higher_harmonics=2.0)
     bare, found = added(hum, "rectangular")
     excess = (found.xx - bare.xx)[0, :, 1] / bare.xx[0, :, 1].mean() / 160  # of the whole power of 161 lines
     lines = np.zeros(161)
@@ -104,7 +104,7 @@ def test_one_channel_may_hum_alone() -> None:
 def test_records_hum_as_loud_as_expected_and_add_up_to_nothing_with_the_force(excitation: str) -> None:
     settings = {**SETTINGS, "window": "hann", "averages": 2000}
     setup = rig(1, excitation=excitation, analyser=settings)
-    whole = chain(beam_system(), setup, [MainsHum(ratio=1.0, frequency=52.0, second=0.6)])
+    whole = chain(beam_system(), setup, [MainsHum(ratio=1.0, frequency=52.0, second_harmonic=0.6)])
     sampled, wanted = sampled_spectra(whole, np.random.default_rng(1), silent), expected_spectra(whole)
     near = [9, 10, 11, 12, 20, 21, 31, 32]  # where the hum is most of the response
     np.testing.assert_allclose(sampled.xx[0, near], wanted.xx[0, near], rtol=4 / np.sqrt(2000))

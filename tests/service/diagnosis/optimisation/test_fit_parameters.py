@@ -12,13 +12,19 @@ def names(effect: MainsHum) -> list[str]:
 
 def test_an_optional_parameter_is_varied_where_it_has_left_its_default() -> None:
     assert names(MainsHum()) == ["ratio", "frequency"]
-    assert names(MainsHum(third=0.5)) == ["ratio", "frequency", "third"]
-    assert names(MainsHum().with_optional_parameters()) == ["ratio", "frequency", "second", "third", "higher"]
+    assert names(MainsHum(third_harmonic=0.5)) == ["ratio", "frequency", "third_harmonic"]
+    assert names(MainsHum().with_optional_parameters()) == [
+        "ratio",
+        "frequency",
+        "second_harmonic",
+        "third_harmonic",
+        "higher_harmonics",
+    ]
 
 
 def test_values_of_others_stay() -> None:
-    hum = MainsHum(ratio=0.02, second=0.4)
+    hum = MainsHum(ratio=0.02, second_harmonic=0.4)
     vector = ParameterVector([hum])
     (again,) = vector.with_values(vector.start)
     assert again.parameters == pytest.approx(hum.parameters, rel=1e-12)  # rounding of logarithms
-    assert again.parameters["third"] == hum.third
+    assert again.parameters["third_harmonic"] == hum.third_harmonic
