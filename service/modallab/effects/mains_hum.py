@@ -78,7 +78,7 @@ class MainsHum(Effect):
         upper=5.0,
         doc="amplitudes of the 5th and 7th harmonics over 1/5 and 1/7 of that of the fundamental",
         absent=None,
-        optional_start=MAINS.higher_start,
+        optional_start=MAINS.harmonic_start,
     )
 
     def on_spectra(self, spectra: CrossSpectra, acquisition: Acquisition) -> CrossSpectra:

@@ -154,14 +154,8 @@ class MainsSettings(Settings):
     harmonic_start: float = setting(
         0.3,
         unit="1",
-        doc="amplitude of the 2nd and 3rd harmonic over the fundamental's, from which fits start",
+        doc="size of harmonics, as their parameters count it, from which fits start",
         derived="the power goes with its square, whose slope is zero at zero",
-    )
-    higher_start: float = setting(
-        0.3,
-        unit="1",
-        doc="amplitudes of higher harmonics over those of a square wave, from which fits start",
-        derived="as the others",
     )
     frequencies: tuple[float, ...] = setting(
         (50.0, 60.0), unit="Hz", doc="mains frequencies", derived="national grids"
