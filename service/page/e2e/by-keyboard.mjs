@@ -6,7 +6,7 @@
  */
 
 import { readFileSync } from "node:fs";
-import { assert, examine } from "./checks.mjs";
+import { assert, examine, reload } from "./checks.mjs";
 import { choose, goRound, noPointer, noticePointers, pick, press, tabTo, type } from "./keyboard.mjs";
 import { walk } from "./steps.mjs";
 
@@ -40,6 +40,11 @@ async function enter(page, key, name) {
   await type(page, "Key", key);
   await page.keyboard.press("Enter");
   await page.locator(".account-name", { hasText: name }).waitFor();
+}
+
+async function signOut(page) {
+  await reload(page, () => press(page, "button", "Sign out"));
+  await page.getByRole("dialog", { name: "Sign in" }).waitFor();
 }
 
 async function signIn(page) {
@@ -207,7 +212,7 @@ async function holdClass(page) {
   const stops = await goRound(page);
   await press(page, "button", "Hand out the assignment");
   await page.getByText("0 of 1 have measured, 0 have submitted.").waitFor();
-  await press(page, "button", "Sign out");
+  await signOut(page);
   return { stops };
 }
 
@@ -225,7 +230,6 @@ async function answer(page) {
   await press(page, "button", "Submit, the last answer");
   await page.locator(".marks").waitFor();
   const points = await page.locator(".marks h2").innerText();
-  await press(page, "button", "Sign out");
-  await page.getByRole("dialog", { name: "Sign in" }).waitFor();
+  await signOut(page);
   return { points, stops };
 }

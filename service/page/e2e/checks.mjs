@@ -29,6 +29,13 @@ async function seriousViolations(page, rules) {
 /** Return when what has changed is drawn: a frame tells the plots their size, the next one draws them. */
 export const drawn = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(done)))));
 
+/** Do what makes the page load itself anew, and return when the new one is there: what is asked of the old one fails. */
+export async function reload(page, action) {
+  const loaded = page.waitForEvent("load");
+  await action();
+  await loaded;
+}
+
 /** Keep a picture of the whole page, where somebody wants to look at it. */
 export async function picture(page, name, folder) {
   if (folder) await page.screenshot({ path: `${folder}/${name}.png`, fullPage: true });

@@ -6,7 +6,7 @@
  */
 
 import { readFileSync } from "node:fs";
-import { assert, examine, fill, tabTo } from "./checks.mjs";
+import { assert, examine, fill, reload, tabTo } from "./checks.mjs";
 import { walk } from "./steps.mjs";
 
 const [address, folder] = process.argv.slice(2);
@@ -95,7 +95,7 @@ async function handOutAssignment(page) {
   await press(page, "Hand out the assignment");
   await page.locator('[aria-label="Table of marks"] tbody tr').nth(2).waitFor();
   await page.getByText("0 of 3 have measured, 0 have submitted.").waitFor();
-  await page.getByRole("button", { name: "Sign out" }).click();
+  await reload(page, () => page.getByRole("button", { name: "Sign out" }).click());
 }
 
 /** A student signs in, measures within the choices, extracts modes, answers, and reads the marks. */
@@ -124,7 +124,7 @@ async function student(page, index, answer) {
     points: await marks.locator("h2").innerText(),
     reasons: await marks.locator("dd").allInnerTexts(),
   };
-  await page.getByRole("button", { name: "Sign out" }).click();
+  await reload(page, () => page.getByRole("button", { name: "Sign out" }).click());
   return result;
 }
 
@@ -156,7 +156,7 @@ async function seeMarks(page) {
   await examine(page, "class-marks", folder);
   const python = await page.locator(".watched [data-python]").getAttribute("data-python");
   const rows = await page.locator('[aria-label="Table of marks"] tbody tr').allInnerTexts();
-  await page.getByRole("button", { name: "Sign out" }).click();
+  await reload(page, () => page.getByRole("button", { name: "Sign out" }).click());
   return { rows, table, python };
 }
 
@@ -175,7 +175,7 @@ async function useLink(page) {
   assert(!page.url().includes(secret), "no step back leads to the secret");
   await page.goto(`${address}/`);
   await page.locator(".account-name", { hasText: name }).waitFor();
-  await page.getByRole("button", { name: "Sign out" }).click();
+  await reload(page, () => page.getByRole("button", { name: "Sign out" }).click());
   await page.getByRole("dialog", { name: "Sign in" }).waitFor();
   await page.goto("about:blank");
   await page.goto(links[name]);

@@ -4,7 +4,7 @@
  * Usage: KEY=... node e2e/sign-in.mjs ADDRESS [FOLDER]. Prints what was checked as JSON, a line each.
  */
 
-import { assert, examine, fill } from "./checks.mjs";
+import { assert, examine, fill, reload } from "./checks.mjs";
 import { walk } from "./steps.mjs";
 
 const [address, folder] = process.argv.slice(2);
@@ -97,7 +97,7 @@ async function expired(page) {
 }
 
 async function signOut(page) {
-  await page.getByRole("button", { name: "Sign out" }).click();
+  await reload(page, () => page.getByRole("button", { name: "Sign out" }).click());
   await form(page).waitFor();
   assert((await sessionCookie(page)) === undefined, "the cookie is gone");
   assert(!page.url().includes("t="), "the next person does not see whose tests were shown");
