@@ -79,5 +79,5 @@ def test_a_diagnosis_that_is_cancelled_leaves_nothing_and_makes_room(
     following = lab.json("POST", "/measurements", waiting | {"route": "expected"})["id"]
     assert lab.json("DELETE", f"/jobs/{job}")["state"] == "cancelled"
     # It waits behind the diagnosis, which would take far longer than this on any machine.
-    lab.wait_for(following, state="succeeded", timeout=30)
+    lab.wait_for(following, state="succeeded", timeout=120)
     assert len(lab.json("GET", "/diagnoses")["items"]) == before

@@ -2,10 +2,10 @@
 
 import os
 import re
+import resource
 import shlex
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -13,7 +13,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs" / "command-line.md").read_text(encoding="utf-8")
 FILES = re.findall(r"`(\w+\.json)`:\n\n```json\n(.*?)^```", TEXT, flags=re.DOTALL | re.MULTILINE)
-LONGEST = 60.0  # s, of a command
+LONGEST = 60.0  # s of processor time, of a command: a busy machine is no fault of it
 PICTURE = 10_000  # bytes, of a picture with curves; an empty one has 5,000
 
 
@@ -34,10 +34,16 @@ def run(command: str, folder: Path) -> "subprocess.CompletedProcess[str]":
         env=environment,
         capture_output=True,
         text=True,
-        timeout=2 * LONGEST,
+        timeout=10 * LONGEST,
     )
     assert done.returncode == 0, done.stderr
     return done
+
+
+def processor_time() -> float:
+    """Return the processor time of the commands that have ended, s."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 @pytest.fixture(scope="module")
@@ -54,10 +60,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_five_commands_lead_from_the_files_of_a_hammer_test_to_a_report(folder: Path) -> None:
     printed = {}
     for command in commands("modallab convert"):
-        begin = time.monotonic()
+        begin = processor_time()
         name = shlex.split(command)[1]
         printed[name] = run(command, folder).stdout
-        assert time.monotonic() - begin < LONGEST, name
+        assert processor_time() - begin < LONGEST, name
         (picture,) = re.findall(r"\w+\.png", command)
         assert (folder / picture).stat().st_size > PICTURE, name
     assert list(printed) == ["convert", "plot", "extract", "update", "diagnose"]

@@ -10,6 +10,7 @@ from modallab.jobs.settings import JOB
 from tests.faults.site import Site
 
 Fault = Callable[[Site], None]
+POLITE_END = 30.0  # s; 5 on a quiet machine: a host that gives nothing back waits for its job, minutes
 
 
 def child_killed(site: Site) -> None:
@@ -51,8 +52,8 @@ def hosts_replaced(site: Site) -> None:
             site.start_host()
         host.send_signal(signal.SIGTERM)
         begin = time.monotonic()
-        host.wait(20)
-        assert time.monotonic() - begin < 8, "a host took long to end"
+        host.wait(60)
+        assert time.monotonic() - begin < POLITE_END, "a host took long to end"
         site.hosts.remove(host)
         if not site.gate:
             site.start_host()

@@ -36,7 +36,7 @@ def test_a_small_file_that_unfolds_to_gigabytes_is_refused(text: str) -> None:
             largest=10_000_000,
         )
     assert raised.value.context["field"] == "file"
-    assert time.monotonic() - begin < 40  # 3 s of processor time, on however busy a machine
+    assert time.monotonic() - begin < 120  # 3 s of processor time, on however busy a machine
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 200_000  # kB
 
 

