@@ -33,6 +33,11 @@ class CrossSpectra:
             part[list(runs)] = replacement
         return CrossSpectra(self.freq, *parts, self.averages)
 
+    def of_runs(self, runs: Sequence[int]) -> "CrossSpectra":
+        """Return the spectra of some runs, by their indices."""
+        kept = list(runs)
+        return CrossSpectra(self.freq, self.ff[kept], self.fx[kept], self.xx[kept], self.averages)
+
     def at(self, lines: IntArray) -> "CrossSpectra":
         """Return the spectra at some of the lines, (n,) indices."""
         return CrossSpectra(

@@ -39,6 +39,14 @@ class CoarsePrediction:
     """Return the expected spectra at the coarse lines with all these effects."""
     known_derivatives: FloatArray | None = None
     """Derivatives of `nuisances` of a prediction much like this one; None: they are computed."""
+    predict_together: Callable[[Sequence[Effect]], list[Predicted]] | None = None
+    """Return what `predict_each` does at less cost; None: there is no such way."""
+
+    def predict_each(self, additions: Sequence[Effect]) -> list[Predicted]:
+        """Return the expected spectra of the base effects with each of some additions, one at a time."""
+        if self.predict_together is not None:
+            return self.predict_together(additions)
+        return [self.predict([*self.base, addition]) for addition in additions]
 
     def subsampled(self, stride: int) -> "CoarsePrediction":
         """Return the prediction compared at one of `stride` lines per channel, shifted between channels."""
@@ -138,6 +146,21 @@ class CoarseBase:
         outputs = [{dof.point for dof in run.outputs} for run in setup.acquisition_runs]
         return [i for i, measured in enumerate(outputs) if measured & points]
 
+    def batches(self, additions: Sequence[Effect], setup: RigSetup) -> list[dict[int, list[int] | None]]:
+        """Return additions that change separate runs together: their indices with the runs they change."""
+        batches: list[dict[int, list[int] | None]] = []
+        taken: list[set[int]] = []
+        for i, addition in enumerate(additions):
+            runs = self.changed_runs([*self.effects, addition], setup)
+            needed = set(range(len(setup.acquisition_runs)) if runs is None else runs)
+            place = next((k for k, others in enumerate(taken) if not others & needed), len(batches))
+            if place == len(batches):
+                batches.append({})
+                taken.append(set())
+            batches[place][i] = runs
+            taken[place] |= needed
+        return batches
+
 
 @dataclass(frozen=True, eq=False)
 class _CorrectedSpectra:
@@ -155,7 +178,13 @@ class _CorrectedSpectra:
 
     def predict(self, effects: Sequence[Effect]) -> Predicted:
         """Return the expected spectra at every `step`-th line with all these effects."""
-        coarse = self.predictor.coarse(effects, self.base)
+        return self._corrected(self.predictor.coarse(effects, self.base))
+
+    def predict_each(self, additions: Sequence[Effect]) -> list[Predicted]:
+        """Return the expected spectra at every `step`-th line with each of some additions."""
+        return [self._corrected(coarse) for coarse in self.predictor.coarse_each(additions, self.base)]
+
+    def _corrected(self, coarse: Predicted) -> Predicted:
         return Predicted(
             coarse.h * self.h,
             coarse.coherence,
@@ -176,4 +205,5 @@ def coarse_prediction(predictor: "SingleTestPredictor", base: Sequence[Effect]) 
         exact.incoherent[lines] / coarse.incoherent,
         unmodified,
     )
-    return CoarsePrediction(predictor, base, predictor.observed.at(lines), spectra.predict)
+    observed = predictor.observed.at(lines)
+    return CoarsePrediction(predictor, base, observed, spectra.predict, predict_together=spectra.predict_each)

@@ -108,8 +108,12 @@ class JointPredictor:
         def predict(additions: Sequence[Effect]) -> Predicted:
             return self.stack.predicted([part.predict(additions) for part in parts])
 
+        def predict_each(additions: Sequence[Effect]) -> list[Predicted]:
+            by_test = [part.predict_each(additions) for part in parts]
+            return [self.stack.predicted(of_tests) for of_tests in zip(*by_test, strict=True)]
+
         observed = self.stack.observed([part.observed for part in parts])
-        return CoarsePrediction(self, effects, observed, predict)
+        return CoarsePrediction(self, effects, observed, predict, predict_together=predict_each)
 
     def linearisation_at(self, effects: Sequence[Effect]) -> Callable[[Sequence[Effect]], Predicted]:
         """Return predictions near some effects for derivatives, see `Predictor`."""

@@ -295,6 +295,21 @@ class SingleTestPredictor:
             self._coarse_observed.with_levels(self._coarse_spectra(effects, base), start=start)
         )
 
+    def coarse_each(self, additions: Sequence[Effect], base: CoarseBase) -> list[Predicted]:
+        """Return `coarse` of the effects of a base with each of some additions.
+
+        Additions that change separate runs are predicted by one chain.
+        """
+        if self.first_setup is not None:
+            return [self.coarse([*base.effects, addition], base) for addition in additions]
+        predicted: dict[int, Predicted] = {}
+        for batch in base.batches(additions, self.setup):
+            together = self._coarse_spectra([*base.effects, *(additions[i] for i in batch)], base)
+            for i, runs in batch.items():
+                own = together if runs is None else base.spectra.with_runs(runs, together.of_runs(runs))
+                predicted[i] = Predicted.of(self._coarse_observed.with_levels(own, start=base.noise))
+        return [predicted[i] for i in range(len(additions))]
+
     def coarse_base(self, effects: Sequence[Effect]) -> CoarseBase:
         """Return the coarse spectra of some effects, for predictions of additions to them."""
         spectra = self._coarse_spectra(effects)

@@ -1,12 +1,13 @@
 """Scan of every suspect at every place by coarse predictions."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
 
 from modallab.core.arrays import FloatArray
+from modallab.core.place import Channels
 from modallab.core.progress import Progress, part
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
 from modallab.diagnosis.residuals.residual import residual
@@ -44,11 +45,11 @@ def scan(
     start = prediction.project_out(unmodified, 0.0)
     candidates: list[list[Effect]] = []
     costs: list[FloatArray] = []
-    for i, sizes in enumerate(listed):
-        progress(0.5 + 0.5 * i / len(listed), f"scanning {sizes[0].kind}")
-        values, vectors = _predicted(prediction, accepted, sizes, start)
-        candidates.append(values)
-        costs.append(cost.of(vectors))
+    for kind, places in _side_by_side(listed):
+        progress(0.5 + 0.5 * len(candidates) / len(listed), f"scanning {kind}")
+        for values, place_costs in _scanned(prediction, places, start, cost):
+            candidates.append(values)
+            costs.append(place_costs)
     chosen: dict[tuple[int, int], StartingPoint] = {}
     for w, noise_inflation in enumerate(LOSS.noise_inflations):
         by_value = [place_costs[:, w] for place_costs in costs]
@@ -111,21 +112,55 @@ def _vector(prediction: CoarsePrediction, effects: Sequence[Effect]) -> FloatArr
     return residual(observed, prediction.predict(effects)).vector(observed.fitted)
 
 
-def _predicted(
-    prediction: CoarsePrediction, accepted: Sequence[Effect], sizes: Sequence[Effect], start: FloatArray
-) -> tuple[list[Effect], FloatArray]:
-    """Return values of an effect at a place and the residuals of each, (n_values, n_residuals).
+def _side_by_side(listed: Sequence[list[Effect]]) -> Iterator[tuple[str, list[list[Effect]]]]:
+    """Yield the kinds with their places: those of single channels together, each other place alone."""
+    of_channels: dict[str, list[list[Effect]]] = {}
+    for sizes in listed:
+        if isinstance(sizes[0].at, Channels):
+            of_channels.setdefault(sizes[0].kind, []).append(sizes)
+        else:
+            yield sizes[0].kind, [sizes]
+    yield from of_channels.items()
+
+
+def _scanned(
+    prediction: CoarsePrediction, places: Sequence[list[Effect]], start: FloatArray, cost: RobustCost
+) -> list[tuple[list[Effect], FloatArray]]:
+    """Return the values of an effect at each place with their costs, (n_values, n_inflations).
 
     Parameters
     ----------
     start
         Residuals without the effect, nuisance parameters projected out.
     """
-    values = list(sizes)
-    vectors = [_vector(prediction, [*accepted, effect]) for effect in values]
-    for i in smallest_amounts(values):
-        # Where residuals are no larger than noise the best amount is below any of the grid.
-        if share := line_minimum_fraction(start, prediction.project_out(vectors[i], 0.0)):
-            values.append(with_amount_scaled(values[i], share))
-            vectors.append(_vector(prediction, [*accepted, values[-1]]))
-    return values, np.array(vectors)
+    values = [list(sizes) for sizes in places]
+    costs = [np.empty((len(sizes), len(LOSS.noise_inflations))) for sizes in places]
+    smallest = [smallest_amounts(sizes) for sizes in places]
+    scaled: list[tuple[int, Effect]] = []
+    # Values of one rank follow each other: in channels of separate runs they are predicted together.
+    trials = sorted(((p, k) for p in range(len(places)) for k in range(len(places[p]))), key=lambda t: t[1])
+    for first in range(0, len(trials), SCAN.predictions_at_once):
+        chosen = trials[first : first + SCAN.predictions_at_once]
+        vectors = _vectors(prediction, [places[p][k] for p, k in chosen])
+        for (p, k), vector, value_costs in zip(chosen, vectors, cost.of(vectors), strict=True):
+            costs[p][k] = value_costs
+            # Where residuals are no larger than noise the best amount is below any of the grid.
+            if k in smallest[p] and (share := line_minimum_fraction(start, cost.project_out(vector))):
+                scaled.append((p, with_amount_scaled(places[p][k], share)))
+    if scaled:
+        of_scaled = cost.of(_vectors(prediction, [effect for _, effect in scaled]))
+        for (p, effect), value_costs in zip(scaled, of_scaled, strict=True):
+            values[p].append(effect)
+            costs[p] = np.vstack([costs[p], value_costs])
+    return list(zip(values, costs, strict=True))
+
+
+def _vectors(prediction: CoarsePrediction, additions: Sequence[Effect]) -> FloatArray:
+    """Return the residuals (n_additions, n_residuals) beside each of some additions."""
+    observed = prediction.observed
+    return np.array(
+        [
+            residual(observed, predicted).vector(observed.fitted)
+            for predicted in prediction.predict_each(additions)
+        ]
+    )

@@ -176,6 +176,12 @@ class ScanSettings(Settings):
     max_starts: int = setting(
         5, unit="candidates", doc="best candidates for each noise inflation", tuned=TESTS
     )
+    predictions_at_once: int = setting(
+        32,
+        unit="predictions",
+        doc="values that are predicted before their costs are taken",
+        derived="memory of as many residuals; values of all single channels of a roving test go together",
+    )
     useful_cost: float = setting(
         0.99,
         doc="cost over that without the effect below which the best place of a kind is a candidate too",

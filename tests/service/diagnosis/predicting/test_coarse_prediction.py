@@ -55,6 +55,29 @@ def test_an_effect_of_one_channel_is_predicted_by_its_own_run(
     )
 
 
+def test_additions_in_separate_runs_are_predicted_together(predictor: Predictor) -> None:
+    """As each of them alone, but for rounding; two in one run, or one on the structure, are kept apart."""
+    additions = [
+        MountedResonance(Channels((FOURTH,)), 900.0, 0.05),
+        MountedResonance(Channels((FIFTH,)), 900.0, 0.05),
+        GainError(Channels((FIFTH,)), 1.1),
+        ExtraMass(FOURTH, 0.05),
+        GainError(Channels((Dof(3, "Y"),)), 1.1),
+    ]
+    (test,) = predictor.tests
+    base = test.coarse_base([MASS])
+    batches = base.batches(additions, test.setup)
+    assert batches == [{0: [2], 1: [3], 4: []}, {2: [3]}, {3: None}]
+    prediction = predictor.coarse_prediction([MASS])
+    for addition, together in zip(additions, prediction.predict_each(additions), strict=True):
+        alone = prediction.predict([MASS, addition])
+        np.testing.assert_allclose(together.h, alone.h, rtol=1e-9)
+        np.testing.assert_allclose(together.force, alone.force, rtol=1e-9)
+        np.testing.assert_allclose(
+            together.incoherent, alone.incoherent, rtol=1e-6, atol=1e-9 * np.max(alone.force)
+        )
+
+
 def test_only_what_is_added_to_the_base_may_be_left_out(predictor: Predictor) -> None:
     (test,) = predictor.tests
     base = test.coarse_base([MASS])
