@@ -170,7 +170,7 @@ def test_a_full_queue_says_when_to_try_again(embedded: Embedded) -> None:
 def test_a_second_service_keeps_out_of_a_folder_in_use(lasting: Lasting) -> None:
     _, _, data = lasting
     with running("serve", "--port", str(free_port()), data=data) as second:
-        assert second.wait(20) != 0
+        assert second.wait(120) != 0
 
 
 def test_a_body_of_50_megabytes_is_answered_over_a_real_connection(lasting: Lasting) -> None:
