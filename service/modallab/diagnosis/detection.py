@@ -1,7 +1,6 @@
 """Detection limits: the smallest effects that a test would still have shown."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,6 +10,7 @@ from modallab.core.numerics import SAFE_DIVISOR
 from modallab.core.place import Channels, Dofs, Members
 from modallab.core.progress import Progress
 from modallab.diagnosis.fitting.fit import Fit
+from modallab.diagnosis.optimisation.least_squares import BoundedQuadratic
 from modallab.diagnosis.optimisation.linear_nuisances import LinearNuisances
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.residual import gap_errors, residual
@@ -116,36 +116,74 @@ class _Visibility:
         self._residual = residual(prediction.observed, prediction.predict(found.effects))
         self._base = self._residual.vector(self._mask)
         self._screen = ModificationScreen(prediction, found.effects)
-        self._nuisances = _FreeNuisances.of(prediction.nuisances, weight=self._weight)
+        self._nuisances = _Nuisances(prediction.nuisances, len(self._base), weight=self._weight)
         self._excess = _excess_of_parts(predictor, found)
         self._inflation = variance_inflation(predictor, found)
 
     def limit(self, suspect: Effect) -> Effect | None:
-        """Return a suspect with the amount of its detection limit; None if no amount is visible."""
+        """Return a suspect with the amount of its detection limit; None if no amount is visible.
+
+        The larger one of two: to first order, and by predictions near the limit. Nuisance parameters that
+        imitate an effect leave its curvature, which they would take up too where they are large; and an
+        effect whose change grows less than its amount is seen later than to first order.
+        """
         sizes = scan_sizes(suspect, {})
         smallest = smallest_amounts(sizes)
         if not smallest:
             return None
         effect = sizes[smallest[-1]]
-        for _ in range(DIAGNOSIS.detection_evaluations):
-            factor = self._factor(effect)
-            if not np.isfinite(factor):
-                return None
-            effect = with_amount_scaled(effect, factor)
-            if _is_on_bound(effect):
-                return None
-        return effect
+        size = float(np.linalg.norm(self._weight * self._change(effect)))
+        if size == 0:
+            return None
+        small = with_amount_scaled(effect, min(1.0, DIAGNOSIS.detection_step / size))
+        first_order, near = self._grown(small), self._grown(effect)
+        for _ in range(DIAGNOSIS.detection_evaluations - 1):
+            near = None if near is None else self._grown(near)
+        if first_order is None or near is None:
+            return None
+        return max(first_order, near, key=_deviation)
+
+    def _grown(self, effect: Effect) -> Effect | None:
+        """Return an effect with the amount at which it would be visible; None if it has no such amount."""
+        factor = self._factor(effect)
+        grown = with_amount_scaled(effect, factor) if np.isfinite(factor) else None
+        return None if grown is None or _is_on_bound(grown) else grown
 
     def _factor(self, effect: Effect) -> float:
         """Return the factor by which an amount has to grow to be detected; inf if it changes nothing."""
-        projected, gain = self._nuisances.project_out(self._weight * self._change(effect))
+        change = self._change(effect)
+        gain = self._nuisances.gain(self._weight * change)
         if not gain > 0:
             return np.inf
         cost = len(effect.fitted_specs()) * self._found.cost_per_parameter
         least = np.sqrt(cost + ACCEPTANCE.very_strong_bic * self._inflation) + DIAGNOSIS.detection_margin
-        raised = self._residual.means_by_part((projected / self._weight) ** 2, self._mask)
-        by_gap = min(np.sqrt(self._excess[part] / max(raised[part], SAFE_DIVISOR)) for part in raised)
-        return float(max(least / np.sqrt(gain), by_gap))
+        return self._gap_factor_with_nuisances(change, float(least / np.sqrt(gain)))
+
+    def _gap_factor_with_nuisances(self, change: FloatArray, least: float) -> float:
+        """Return the factor by which a change (n_data,) of residuals has to grow to raise a part of the gap.
+
+        Between what it is if nuisance parameters take up nothing and if they have no bounds.
+
+        Parameters
+        ----------
+        least
+            Least factor.
+        """
+        weighted = self._weight * change
+        high = max(least, self._gap_factor(self._nuisances.remaining(weighted)))
+        if self._nuisances.within_bounds(high * weighted):
+            return high
+        low = max(least, self._gap_factor(weighted))
+        for _ in range(DIAGNOSIS.detection_bisections if high > low else 0):
+            middle = float(np.sqrt(low * high))
+            seen = self._gap_factor(self._nuisances.remaining_within_bounds(middle * weighted)) <= 1
+            low, high = (low, middle) if seen else (middle, high)
+        return high
+
+    def _gap_factor(self, change: FloatArray) -> float:
+        """Return the factor by which a weighted change that nothing takes up has to grow."""
+        raised = self._residual.means_by_part((change / self._weight) ** 2, self._mask)
+        return float(min(np.sqrt(self._excess[part] / max(raised[part], SAFE_DIVISOR)) for part in raised))
 
     def _change(self, effect: Effect) -> FloatArray:
         """Return the change of the residuals (n_data,) by an effect."""
@@ -157,31 +195,43 @@ class _Visibility:
         return residual(self._prediction.observed, predicted).vector(self._mask) - self._base
 
 
-@dataclass(frozen=True, eq=False)
-class _FreeNuisances:
-    """Nuisance parameters that are free under their prior, without bounds."""
+class _Nuisances:
+    """Nuisance parameters that take up a part of a change of residuals, to first order under their prior."""
 
-    derivatives: FloatArray
-    """(n_residuals, n) of the residuals by the parameters."""
-    precision: FloatArray
-    """(n,) inverse variance of the prior."""
-    covariance: FloatArray
-    """(n, n) of the parameters, by data and prior."""
+    def __init__(self, nuisances: LinearNuisances, n_residuals: int, *, weight: float) -> None:
+        self._precision = nuisances.precision
+        self._derivatives = weight * nuisances.derivatives.reshape(n_residuals, -1)
+        self._room = nuisances.low - nuisances.position, nuisances.high - nuisances.position
+        curvature = self._derivatives.T @ self._derivatives + np.diag(nuisances.precision)
+        self._quadratic = BoundedQuadratic(curvature)
+        self._covariance = np.linalg.inv(curvature)
 
-    @classmethod
-    def of(cls, nuisances: LinearNuisances, *, weight: float) -> "_FreeNuisances":
-        """Return the parameters with residuals of a weight."""
-        derivatives = weight * nuisances.derivatives
-        curvature = derivatives.T @ derivatives + np.diag(nuisances.precision)
-        return cls(derivatives, nuisances.precision, np.asarray(np.linalg.inv(curvature)))
+    def gain(self, change: FloatArray) -> float:
+        """Return chi-square of what they leave of a change (n_residuals,), and of their prior."""
+        shift = self._shift(change)
+        remaining = change + self._derivatives @ shift
+        return float(remaining @ remaining + self._precision @ shift**2)
 
-    def project_out(self, change: FloatArray) -> tuple[FloatArray, float]:
-        """Return what is left (n_residuals,) of a change, and its gain in chi-square with the prior."""
-        if not len(self.precision):
-            return change, float(change @ change)
-        position = -self.covariance @ (self.derivatives.T @ change)
-        remaining = change + self.derivatives @ position
-        return remaining, float(remaining @ remaining + self.precision @ position**2)
+    def remaining(self, change: FloatArray) -> FloatArray:
+        """Return what they leave (n_residuals,) of a change, without bounds."""
+        return np.asarray(change + self._derivatives @ self._shift(change))
+
+    def within_bounds(self, change: FloatArray) -> bool:
+        """Return whether they take up a change (n_residuals,) within their bounds."""
+        shift, (low, high) = self._shift(change), self._room
+        return bool(((low <= shift) & (shift <= high)).all())
+
+    def remaining_within_bounds(self, change: FloatArray) -> FloatArray:
+        """Return what they leave (n_residuals,) of a change within their bounds."""
+        return np.asarray(
+            change + self._derivatives @ self._quadratic.minimise(self._gradient(change), *self._room)
+        )
+
+    def _shift(self, change: FloatArray) -> FloatArray:
+        return np.asarray(-self._covariance @ self._gradient(change))
+
+    def _gradient(self, change: FloatArray) -> FloatArray:
+        return np.asarray(self._derivatives.T @ change)
 
 
 def _excess_of_parts(predictor: Predictor, found: Fit) -> dict[str, float]:

@@ -50,6 +50,18 @@ class DiagnosisSettings(Settings):
         doc="predictions of a detection limit, each nearer to it",
         derived="the second is near the limit; small effects are linear",
     )
+    detection_bisections: int = setting(
+        6,
+        unit="bisections",
+        doc="steps to the amount at which bounded nuisance parameters hide an effect no more",
+        derived="between limits a factor of a thousand apart, to 11 %",
+    )
+    detection_step: float = setting(
+        1.0,
+        unit="standard deviations",
+        doc="largest change of all residuals together from which a detection limit is taken to first order",
+        derived="the curvature of a change of one standard deviation is small beside it",
+    )
     imitation_excess: float = setting(
         0.5,
         doc="excess of the gap that an unknown effect leaves, over that of effects found, if they imitate it",

@@ -13,6 +13,7 @@ from modallab.diagnosis.optimisation.tolerances import NO_TOLERANCES, Tolerances
 from modallab.diagnosis.reporting.report import report
 from modallab.diagnosis.result import DetectionLimit, Diagnosis, Verdict
 from modallab.effects.extra_mass import ExtraMass
+from modallab.effects.loss_factor_error import LossFactorError
 from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.measure import Route, measure
 from tests.diagnosing import model, rig
@@ -73,6 +74,24 @@ def test_tolerances_raise_the_limit_of_what_they_take_up() -> None:
     assert one.at is not None
     assert one.smallest > 3 * everywhere.smallest
     assert tolerant["gain_error"].smallest == pytest.approx(exact["gain_error"].smallest, rel=0.2)
+
+
+def test_what_the_tolerance_of_each_mode_takes_up_is_below_its_limit() -> None:
+    """To first order modal loss factors are all that a loss factor error changes; its curvature is not."""
+
+    def among_losses(hidden: Sequence[Effect]) -> Diagnosis:
+        test = measure(model(), rig(), hidden, route=Route.DRAWN, rng=np.random.default_rng(0))
+        tolerances = Tolerances(modal_loss_factor=0.2)
+        return diagnose(model(), test, suspects=["loss_factor_error"], tolerances=tolerances)
+
+    (limit,) = among_losses([]).detection_limits
+    # That of all members is hidden by the tolerance; a single member changes the modes unequally.
+    assert limit.at is not None
+    assert limit.smallest > 0.2
+    assert among_losses([LossFactorError(factor=1.2)]).verdict is Verdict.NOTHING_MISSING
+    # Five standard deviations of every mode are beyond the bounds of their tolerances.
+    (found,) = among_losses([LossFactorError(factor=2.0)]).steps
+    assert found.effect.kind == "loss_factor_error"
 
 
 def test_effects_without_a_small_amount_have_no_limit() -> None:
