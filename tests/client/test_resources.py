@@ -38,6 +38,15 @@ def finish(service: FakeService, result_id: str) -> None:
     )
 
 
+def test_what_described_a_thing_is_sent_again(lab: ModalLab, service: FakeService) -> None:
+    service.on("GET /v1/structures/s1/body", {"kind": "catalogue", "name": "bay"})
+    service.on("POST /v1/structures", STRUCTURE)
+    assert lab.structures.create(**lab.structures.body("s1")).id == "s1"
+    assert service.body() == {"kind": "catalogue", "name": "bay"}
+    service.on("GET /v1/rigs/r1/body", {"drives": ["1:+Y"], "responses": ["1:+Y"]})
+    assert lab.rigs.body("r1") == {"drives": ["1:+Y"], "responses": ["1:+Y"]}
+
+
 def test_a_beam_is_sent_with_the_names_of_the_contract(lab: ModalLab, service: FakeService) -> None:
     service.on("POST /v1/structures", STRUCTURE)
     section, material = {"area": 5e-4, "second_moment": 4.1667e-9}, {"modulus": 2.09e11, "density": 7800.0}

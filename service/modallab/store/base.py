@@ -94,10 +94,28 @@ class Shelf(Protocol[T]):
         inputs: Mapping[str, str] | None = None,
         seed: int | None = None,
         id: str | None = None,
+        request: Mapping[str, Any] | None = None,
     ) -> str:
         """Store a thing and return its id; under an `id` that is taken, nothing happens.
 
         Work that may run twice passes the same `id` both times and stores once.
+
+        Parameters
+        ----------
+        request
+            Body of the request that described the thing; None: it was not described by one.
+        """
+        ...
+
+    def request(self, id: str) -> Mapping[str, Any] | None:
+        """Return the body of the request that described a thing to who may manage it, None if none did.
+
+        Raises
+        ------
+        NotFoundError
+            If the thing is not there.
+        ForbiddenError
+            If it is only shared with the viewer: a description tells what a class may have to find.
         """
         ...
 

@@ -63,6 +63,7 @@ class SqlShelf(Generic[T]):
         inputs: Mapping[str, str] | None = None,
         seed: int | None = None,
         id: str | None = None,
+        request: Mapping[str, Any] | None = None,
     ) -> str:
         """Store a thing and return its id; under an `id` that is taken, nothing happens."""
         own_id = id or new_id()
@@ -79,8 +80,9 @@ class SqlShelf(Generic[T]):
             "inputs": dict(inputs or {}),
             "seed": seed,
             "body": body,
+            "request": request,
             "arrays_hash": self._files.put(own_id, packed) if arrays else None,
-            "size": len(json.dumps(body)) + len(packed),
+            "size": len(json.dumps(body)) + len(json.dumps(request)) * bool(request) + len(packed),
             "name": getattr(thing, "name", "")[
                 :_LONGEST_NAME
             ],  # a structure's own, until its owner gives another
@@ -112,6 +114,17 @@ class SqlShelf(Generic[T]):
         row = self._row(id, THINGS.c.body, THINGS.c.arrays_hash)
         arrays = unpack(self._files.get(id, row.arrays_hash)) if row.arrays_hash else {}
         return self._codec.put_together(row.body, arrays)
+
+    def request(self, id: str) -> Mapping[str, Any] | None:
+        """Return the body of the request that described a thing, to who may manage it."""
+        self.check(id)
+        query = sa.select(THINGS.c.request).where(THINGS.c.id == id, manageable(THINGS.c.owner, self._viewer))
+        with self._connect() as connection:
+            row = connection.execute(query).first()
+        if row is None:
+            raise ForbiddenError(f"this {self._kind} is shared with your class, its description is not")
+        described: Mapping[str, Any] | None = row.request
+        return described
 
     def entry(self, id: str) -> Entry:
         """Return the entry of a thing."""

@@ -22,6 +22,7 @@ THINGS = sa.Table(
     sa.Column("inputs", sa.JSON, nullable=False),
     sa.Column("seed", sa.BigInteger),
     sa.Column("body", sa.JSON, nullable=False),
+    sa.Column("request", sa.JSON(none_as_null=True)),  # body of the request that described it, as it was sent
     sa.Column("arrays_hash", sa.String(64)),  # SHA-256 of the array file, null without arrays
     sa.Column("size", sa.BigInteger, nullable=False, server_default="0"),  # bytes of body and array file
     # What its owner says of it: the only columns that change.

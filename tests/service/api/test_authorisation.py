@@ -133,6 +133,7 @@ ROWS: dict[str, Row] = {
     "import_structure": anyone(422, form=unread),
     "list_structures": anyone(),
     "get_structure": owned(id="structure"),
+    "get_structure_body": owned(id="structure"),
     "describe_structure": owned(id="structure", body=of(name="new")),
     "delete_structure": removal("structures"),
     "change_structure": owned(
@@ -152,6 +153,7 @@ ROWS: dict[str, Row] = {
     "create_rig": anyone(201, body=lambda _: RIG),
     "list_rigs": anyone(),
     "get_rig": owned(id="rig"),
+    "get_rig_body": owned(id="rig"),
     "get_checks": owned(id="rig", query="?structure_id={structure}"),
     "describe_rig": owned(id="rig", body=of(name="new")),
     "delete_rig": removal("rigs"),
