@@ -21,6 +21,7 @@ from tests.service.api.authorisation import (
     RIG,
     School,
     assignment,
+    discarded,
     fill,
     new_assignment,
     new_class,
@@ -224,6 +225,10 @@ ROWS: dict[str, Row] = {
     "get_diagnosis_report": owned(id="diagnosis"),
     "describe_diagnosis": owned(id="diagnosis", body=of(name="new")),
     "delete_diagnosis": removal("diagnoses"),
+    # the trash
+    "list_trash": anyone(),
+    "restore_from_trash": owned(id=discarded),
+    "remove_from_trash": owned(204, id=discarded),
     # jobs
     "list_jobs": anyone(),
     "cancel_all_jobs": anyone(),

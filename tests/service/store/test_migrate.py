@@ -57,3 +57,13 @@ def test_what_was_stored_before_bodies_were_kept_has_none(place: StorePlace) -> 
         command.downgrade(alembic_config(connection), "0009")
     place.prepare()
     assert open_store(place).structures.request(id) is None
+
+
+def test_what_is_in_the_trash_is_there_for_a_version_without_it(place: StorePlace) -> None:
+    store = open_store(place)
+    id = store.structures.add(STRUCTURES["bay"](), owner="me")
+    store.structures.discard(id)
+    with engine_of(place).begin() as connection:
+        command.downgrade(alembic_config(connection), "0010")
+    place.prepare()
+    assert store.structures.holds(id)
