@@ -174,8 +174,10 @@ class SqlShelf(Generic[T]):
         """Move a thing to the trash."""
         self.check(id)
         with self._connect() as connection:
-            if not discard(connection, id, self._viewer):
-                raise self._shared()
+            is_discarded = discard(connection, id, self._viewer)
+        if not is_discarded:
+            self.check(id)  # another may have been faster
+            raise self._shared()
 
     def remove(self, id: str) -> None:
         """Forget a thing."""
