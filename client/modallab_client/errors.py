@@ -171,6 +171,7 @@ BY_CODE: dict[str, type[ClientError]] = {
     "diverged": DivergedError,
     "cancelled": CancelledError,
     "conflict": ConflictError,
+    "in_trash": ConflictError,
     "in_use": ConflictError,
     "key_reused": ConflictError,
     "too_large": TooLargeError,

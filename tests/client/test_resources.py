@@ -12,6 +12,7 @@ from modallab_client import ModalLab
 from modallab_client.errors import UnexpectedReplyError
 from modallab_client.results import (
     CatalogueEntry,
+    DiscardedEntry,
     EffectSpec,
     Exciter,
     FollowUpTest,
@@ -36,6 +37,15 @@ def finish(service: FakeService, result_id: str) -> None:
     service.on(
         "GET /v1/jobs/j1/events", events({"state": "succeeded", "fraction": 1, "result_id": result_id})
     )
+
+
+def test_what_described_a_thing_is_sent_again(lab: ModalLab, service: FakeService) -> None:
+    service.on("GET /v1/structures/s1/body", {"kind": "catalogue", "name": "bay"})
+    service.on("POST /v1/structures", STRUCTURE)
+    assert lab.structures.create(**lab.structures.body("s1")).id == "s1"
+    assert service.body() == {"kind": "catalogue", "name": "bay"}
+    service.on("GET /v1/rigs/r1/body", {"drives": ["1:+Y"], "responses": ["1:+Y"]})
+    assert lab.rigs.body("r1") == {"drives": ["1:+Y"], "responses": ["1:+Y"]}
 
 
 def test_a_beam_is_sent_with_the_names_of_the_contract(lab: ModalLab, service: FakeService) -> None:
@@ -315,6 +325,18 @@ def test_a_list_goes_on_over_its_pages(lab: ModalLab, service: FakeService) -> N
     assert [entry.id for entry in lab.structures.list()] == ["s2", "s1"]
     assert service.requests[1].url.query == b"after=s2"
     lab.structures.delete("s1")
+
+
+def test_what_was_deleted_is_listed_and_restored(lab: ModalLab, service: FakeService) -> None:
+    entry = completed(DiscardedEntry, {"id": "s1", "kind": "structure", "until": "2026-01-02"})
+    service.on("GET /v1/trash", {"items": [entry], "next": "s1"}, {"items": [], "next": None})
+    service.on("POST /v1/trash/s1/restore", completed(StoredEntry, {"id": "s1"}))
+    service.on("DELETE /v1/trash/s1", httpx.Response(204))
+    (thing,) = lab.trash.list(owner="k1")
+    assert (thing.id, thing.kind, thing.until) == ("s1", "structure", "2026-01-02")
+    assert service.requests[1].url.query == b"after=s1&owner=k1"
+    assert lab.trash.restore(thing).id == "s1"
+    lab.trash.remove("s1")
 
 
 def test_a_description_goes_by_keywords_and_filters_lists(lab: ModalLab, service: FakeService) -> None:

@@ -24,6 +24,8 @@ def check(names: dict[str, Any]) -> None:
     assert names["table"].frequency[2] == names["modes"].modes[1].frequency
     assert float(names["frfs"].coherence.sel(output="7:+Y", freq=100.0)) == pytest.approx(1.0)
     np.testing.assert_array_equal(names["again"].values, names["test"].values)
+    # the same numbers, computed from the same seed: to the last bit
+    np.testing.assert_array_equal(names["same_test"].values, names["test"].values)
 
 
 def check_other_programs(names: dict[str, Any]) -> None:

@@ -20,6 +20,7 @@ from modallab_client._async.rigs import AsyncRigs
 from modallab_client._async.structures import AsyncStructures
 from modallab_client._async.studies import AsyncStudies
 from modallab_client._async.transport import AsyncTransport
+from modallab_client._async.trash import AsyncTrash
 from modallab_client._async.updates import AsyncUpdates
 from modallab_client._embedded import ServiceProcess, require_service
 
@@ -60,6 +61,7 @@ class AsyncModalLab:
         self.studies = AsyncStudies(self._transport)
         self.diagnoses = AsyncDiagnoses(self._transport)
         self.jobs = AsyncJobs(self._transport)
+        self.trash = AsyncTrash(self._transport)
         self.catalog = AsyncCatalog(self._transport)
         self.keys = AsyncKeys(self._transport)
         self.classes = AsyncClasses(self._transport)

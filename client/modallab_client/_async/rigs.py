@@ -71,3 +71,7 @@ class AsyncRigs(AsyncShelf):
     async def get(self, rig_id: Identified) -> Rig:
         """Return a rig as it was declared."""
         return _wire.reply(Rig, await self._transport.request("GET", f"{self.path}/{id_of(rig_id)}"))
+
+    async def body(self, rig_id: Identified) -> dict[str, Any]:
+        """Return the body that declares a rig; `create(**body)` makes the same one, on any service."""
+        return _wire.read(dict, await self._transport.request("GET", f"{self.path}/{id_of(rig_id)}/body"))

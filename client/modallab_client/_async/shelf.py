@@ -55,5 +55,5 @@ class AsyncShelf:
         return _wire.read(_wire.entry, reply)
 
     async def delete(self, id: Identified) -> None:
-        """Remove one; things that others were made from stay, with a `ConflictError`."""
+        """Move one to the trash; what others were made from stays, with a `ConflictError`."""
         await self._transport.request("DELETE", f"{self.path}/{id_of(id)}")

@@ -57,6 +57,22 @@ class AsyncStructures(AsyncDescribed):
         path = f"/v1/structures/{id_of(structure_id)}"
         return _wire.reply(Structure, await self._transport.request("GET", path))
 
+    async def body(self, structure_id: Identified) -> dict[str, Any]:
+        """Return the body of the request that described a structure; `create(**body)` makes the same one.
+
+        Of a changed structure it is `{"changes": [...]}`, for `change` of the structure that it was made
+        from.
+
+        Raises
+        ------
+        NotFoundError
+            If no request described it: it was computed, or read from a file.
+        ForbiddenError
+            If it is only shared with one.
+        """
+        path = f"/v1/structures/{id_of(structure_id)}/body"
+        return _wire.read(dict, await self._transport.request("GET", path))
+
     async def modes(self, structure_id: Identified, count: int = 10) -> StructureModes:
         """Return frequencies and loss factors of the first elastic modes."""
         path = f"/v1/structures/{id_of(structure_id)}/modes"

@@ -2044,6 +2044,46 @@ class Study(StudyMethods):
     """True coefficients that differ from nominal."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class DiscardedEntry:
+    """Entry of something in the trash."""
+
+    comment: str
+    """what its owner remarks on it"""
+    created: str
+    """time of creation, ISO 8601, UTC"""
+    id: str
+    """id of the stored object"""
+    kind: str
+    """`structure`, `rig`, `measurement`, `modal_model`, `correlation`, `update`, `study` or `diagnosis`"""
+    labels: tuple[str, ...]
+    """labels by which its owner finds it"""
+    made_from: Mapping[str, str] = field(hash=False)
+    """ids of the objects it was made from, by role"""
+    name: str
+    """name, as its owner wrote it; a structure's own until then"""
+    owner: str
+    """id of the key that it was made with; `local`: made without keys"""
+    removed: str
+    """time at which it was deleted, ISO 8601, UTC"""
+    seed: int | None
+    """seed of its random numbers; null where there are none"""
+    until: str
+    """time until which it can be restored, ISO 8601, UTC"""
+    version: str
+    """version of the service that made it"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrashPage:
+    """Page of the list of what is in the trash."""
+
+    items: tuple[DiscardedEntry, ...]
+    """Entries, last deleted first."""
+    next: str | None
+    """Value of `after` for the next page; null at the end."""
+
+
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Iteration:
     """One step of an update and the model after it."""

@@ -21,6 +21,7 @@ from modallab_client._sync.rigs import Rigs
 from modallab_client._sync.structures import Structures
 from modallab_client._sync.studies import Studies
 from modallab_client._sync.transport import Transport
+from modallab_client._sync.trash import Trash
 from modallab_client._sync.updates import Updates
 
 
@@ -60,6 +61,7 @@ class ModalLab:
         self.studies = Studies(self._transport)
         self.diagnoses = Diagnoses(self._transport)
         self.jobs = Jobs(self._transport)
+        self.trash = Trash(self._transport)
         self.catalog = Catalog(self._transport)
         self.keys = Keys(self._transport)
         self.classes = Classes(self._transport)

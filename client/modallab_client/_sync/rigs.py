@@ -71,3 +71,7 @@ class Rigs(Shelf):
     def get(self, rig_id: Identified) -> Rig:
         """Return a rig as it was declared."""
         return _wire.reply(Rig, self._transport.request("GET", f"{self.path}/{id_of(rig_id)}"))
+
+    def body(self, rig_id: Identified) -> dict[str, Any]:
+        """Return the body that declares a rig; `create(**body)` makes the same one, on any service."""
+        return _wire.read(dict, self._transport.request("GET", f"{self.path}/{id_of(rig_id)}/body"))

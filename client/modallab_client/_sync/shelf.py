@@ -55,5 +55,5 @@ class Shelf:
         return _wire.read(_wire.entry, reply)
 
     def delete(self, id: Identified) -> None:
-        """Remove one; things that others were made from stay, with a `ConflictError`."""
+        """Move one to the trash; what others were made from stays, with a `ConflictError`."""
         self._transport.request("DELETE", f"{self.path}/{id_of(id)}")

@@ -8,7 +8,7 @@ from anyio import to_thread
 from fastapi import APIRouter, Depends, FastAPI
 
 import modallab
-from modallab.api import about, catalog, classes, document, jobs, keys, limit_list, problems, sessions
+from modallab.api import about, catalog, classes, document, jobs, keys, limit_list, problems, sessions, trash
 from modallab.api.access import OPERATORS, PERSONS
 from modallab.api.assignments import router as assignments
 from modallab.api.body_limit import BodyLimit
@@ -59,14 +59,14 @@ def job_book(settings: ServiceSettings) -> JobBook:
 
 def durable_runner(settings: ServiceSettings) -> DurableRunner:
     """Return the runner that the settings name; with role `api` it only submits."""
-    book, days = job_book(settings), settings.retention_days
+    book = job_book(settings)
     return DurableRunner(
         book,
         settings.store_place,
         settings.job_place,
         executor_id=settings.executor_id,
         runs=settings.role == "all",
-        retention=None if days is None else Retention(book, settings.store_place, days),
+        retention=Retention(book, settings.store_place, settings.retention_days),
     )
 
 
@@ -130,7 +130,7 @@ def _routes() -> APIRouter:
     for part in (structures, rigs, measurements, modal_models, correlations, updates, studies, diagnoses):
         v1.include_router(part.router, dependencies=[PERSONS, ROOM])
     v1.include_router(assignments.router, dependencies=[PERSONS, ROOM])
-    for router in (jobs.router, catalog.router):
+    for router in (jobs.router, catalog.router, trash.router):
         v1.include_router(router, dependencies=[PERSONS])
     for router in (keys.router, classes.router, sessions.router, about.router, limit_list.router):
         v1.include_router(router)

@@ -10,6 +10,7 @@ from pydantic import StringConstraints
 from modallab.api.access import CallerDep
 from modallab.api.settings import ServiceSettings
 from modallab.jobs.runner import JobRunner, RequestKey
+from modallab.store.arrays import FolderArrays
 from modallab.store.base import Store
 from modallab.store.place import engine_of
 from modallab.store.quotas import check_storage
@@ -61,8 +62,9 @@ async def _room(
 ) -> None:
     """Refuse what would be stored where too much is stored already; every POST of a resource stores."""
     if request.method == "POST":
-        engine, owner = engine_of(settings.store_place), caller.viewer.owner
-        await to_thread.run_sync(check_storage, engine, owner, settings.storage_quotas)
+        place, owner = settings.store_place, caller.viewer.owner
+        files = FolderArrays(place.folder)
+        await to_thread.run_sync(check_storage, engine_of(place), files, owner, settings.storage_quotas)
 
 
 ROOM: Any = Depends(_room)

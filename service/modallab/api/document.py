@@ -33,6 +33,7 @@ TAGS = {
     "studies": "Statistics of an updating method over noise levels and random seeds.",
     "diagnoses": "Search for effects that a structure and a rig lack, from a measurement.",
     "assignments": "Measurements for a class with hidden effects, and marks for what students find.",
+    "trash": "What was deleted, to be restored within 24 hours.",
     "keys": "API keys, classes of students, sessions of web pages.",
     "jobs": "Progress, results and cancellation of long work.",
     "catalog": "Names, parameters and bounds of everything that can be chosen.",
@@ -43,7 +44,8 @@ ERRORS = {
     401: "The service has keys, and no valid one was sent",
     403: "The key does not allow this, or the page of another origin asks",
     404: "Nothing is stored under an id of the request",
-    409: "Other results were made from it, or the Idempotency-Key named another request",
+    409: "Other results were made from it, what it was made from is in the trash, or the Idempotency-Key "
+    "named another request",
     413: "The body is too large",
     415: "The body has another content type than the operation takes",
     422: "A parameter or a field of the body is not valid",
@@ -56,7 +58,7 @@ _SCHEMES: Json = {
     "session": {"type": "apiKey", "in": "cookie", "name": COOKIE, "description": "of `POST /v1/sessions`"},
 }
 _PROBLEM = "application/problem+json"
-_STORE_NOTHING = {"keys", "classes", "sessions"}
+_STORE_NOTHING = {"keys", "classes", "sessions", "trash"}
 _REF = "#/components/schemas/"
 
 
@@ -153,7 +155,7 @@ def _add_errors(method: str, operation: Json, *, is_public: bool) -> None:
         statuses |= {400, 413, 415}
     if any(spec["name"] in ("id", "after") for spec in parameters) or method == "post":
         statuses.add(404)
-    if method == "delete" and "204" in replies:
+    if (method == "delete" and "204" in replies) or (method == "post" and "trash" in operation["tags"]):
         statuses.add(409)
     if method == "post" and not _STORE_NOTHING & set(operation["tags"]):
         statuses.add(429)

@@ -23,7 +23,7 @@ from modallab.core import errors
 from modallab.jobs.outages import is_outage
 from modallab.jobs.runner import KeyReusedError, NotReadyError, QueueFullError, QueueQuotaError
 from modallab.jobs.work import INTERNAL, describe
-from modallab.store.base import ForbiddenError, InUseError, StoredDataError, UnauthorisedError
+from modallab.store.base import ForbiddenError, InTrashError, InUseError, StoredDataError, UnauthorisedError
 from modallab.store.quotas import StorageQuotaError
 
 _log = structlog.get_logger()
@@ -35,6 +35,7 @@ STATUS: Mapping[type[errors.ModalLabError], int] = {
     errors.CancelledError: 409,
     errors.MissingExtraError: 501,
     ForbiddenError: 403,
+    InTrashError: 409,
     InUseError: 409,
     KeyReusedError: 409,
     NotReadyError: 503,
@@ -60,6 +61,7 @@ TITLES: Mapping[str, str] = {
     "cancelled": "The job was cancelled",
     "content_too_large": "The body is too large",
     "diverged": "The iteration diverged",
+    "in_trash": "What it was made from is in the trash",
     "in_use": "Other results were made from it",
     "executor_taken": "Another process runs jobs under this name",
     "forbidden": "This is not allowed",

@@ -91,7 +91,8 @@ def add_routes(router: APIRouter, shelf: str, singular: str) -> None:
         name=f"delete_{singular}",
         status_code=status.HTTP_204_NO_CONTENT,
         summary=f"Delete a {thing}",
-        description=f"Delete a stored {thing}; refused (409) while another result was made from it.",
+        description=f"Move a stored {thing} to the trash, where it can be restored within 24 hours; refused "
+        "(409) while another result was made from it.",
     )
     def remove_entry(id: IdPath, store: StoreDep) -> None:
-        of(store).remove(id)
+        of(store).discard(id)

@@ -11,7 +11,7 @@ from modallab.jobs.postponed import DueJob, Postponed
 from modallab.jobs.queue import ACTIVE, check_room, next_turn, with_places
 from modallab.jobs.runner import Job, JobState, KeyReusedError, Lane, RequestKey
 from modallab.store.quotas import NO_QUOTAS, Quotas
-from modallab.store.sql import new_id
+from modallab.store.rows import new_id
 from modallab.store.tables import JOBS
 from modallab.store.viewer import EVERYONE, Viewer, manageable
 

@@ -18,7 +18,7 @@ import sqlalchemy as sa
 
 from modallab.core.errors import ModalLabError
 from modallab.jobs.settings import JOB
-from modallab.store.sql import insert_once
+from modallab.store.rows import insert_once
 from modallab.store.tables import EXECUTORS
 
 

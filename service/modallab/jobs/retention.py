@@ -11,6 +11,8 @@ from modallab.jobs.book import JobBook
 from modallab.store.arrays import FolderArrays
 from modallab.store.place import StorePlace, engine_of
 from modallab.store.retention import remove_unnamed
+from modallab.store.tables import THINGS
+from modallab.store.trash import empty_trash, expired_before
 
 _log = structlog.get_logger()
 _AT_ONCE = 500  # jobs named in one statement
@@ -30,16 +32,27 @@ class Retention:
 
     book: JobBook
     place: StorePlace
-    days: float
-    """Days after which they are removed."""
+    days: float | None
+    """Days after which they are removed; None: only what was deleted and cannot be restored is."""
 
     def sweep(self, engine: Forgetful, *, now: datetime | None = None) -> tuple[int, int]:
         """Return the numbers of jobs and of things that were removed because they are older than that.
 
         A thing stays while it has a name, a label or a comment, is shared with a class, something else was
-        made from it, or a job that has not ended needs it.
+        made from it, or a job that has not ended needs it; in the trash it stays for a day.
         """
-        before = ((now or datetime.now(UTC)) - timedelta(days=self.days)).isoformat(timespec="microseconds")
+        time = now or datetime.now(UTC)
+        engine_of_store, files = engine_of(self.place), FolderArrays(self.place.folder)
+        emptied = empty_trash(engine_of_store, files, THINGS.c.removed < expired_before(time))
+        if emptied:
+            _log.info("emptied the trash", things=emptied)
+        if self.days is None:
+            return 0, emptied
+        jobs, things = self._sweep_old(engine, time - timedelta(days=self.days))
+        return jobs, things + emptied
+
+    def _sweep_old(self, engine: Forgetful, time: datetime) -> tuple[int, int]:
+        before = time.isoformat(timespec="microseconds")
         jobs = self.book.ended_before(before)
         for first in range(0, len(jobs), _AT_ONCE):
             some = jobs[first : first + _AT_ONCE]

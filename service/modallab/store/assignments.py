@@ -15,8 +15,9 @@ from modallab.core.errors import NotFoundError
 from modallab.core.place import EffectSpec
 from modallab.store.keys import now
 from modallab.store.plain import from_plain, to_plain
-from modallab.store.sql import insert_once, new_id
+from modallab.store.rows import insert_once, new_id
 from modallab.store.tables import ASSIGNMENTS, SHARES, SUBMISSIONS, TRIALS
+from modallab.store.uses import held
 from modallab.store.viewer import Viewer, manageable
 
 _COLUMNS = [
@@ -87,6 +88,10 @@ class AssignmentBook:
         with self._engine.begin() as connection:
             connection.execute(ASSIGNMENTS.insert().values(**row))
             insert_once(connection, SHARES, {"class_id": class_id, "thing_id": structure_id})
+            if not held(connection, [structure_id]):
+                raise NotFoundError(
+                    "the structure is no longer stored", field="structure", value=structure_id
+                )
         return _stored(row)
 
     def get(self, id: str, *, viewer: Viewer) -> StoredAssignment:

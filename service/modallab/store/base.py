@@ -19,6 +19,12 @@ class InUseError(ModalLabError):
     code = "in_use"
 
 
+class InTrashError(ModalLabError):
+    """What it was made from is in the trash."""
+
+    code = "in_trash"
+
+
 class ForbiddenError(ModalLabError):
     """The key does not allow this."""
 
@@ -51,6 +57,15 @@ class Entry:
     name: str = ""
     labels: Sequence[str] = ()
     comment: str = ""
+
+
+@dataclass(frozen=True)
+class Discarded:
+    """A thing in the trash."""
+
+    entry: Entry
+    removed: str  # ISO 8601, UTC
+    until: str  # ISO 8601, UTC, before which it can be restored
 
 
 @dataclass(frozen=True)
@@ -94,10 +109,28 @@ class Shelf(Protocol[T]):
         inputs: Mapping[str, str] | None = None,
         seed: int | None = None,
         id: str | None = None,
+        request: Mapping[str, Any] | None = None,
     ) -> str:
         """Store a thing and return its id; under an `id` that is taken, nothing happens.
 
         Work that may run twice passes the same `id` both times and stores once.
+
+        Parameters
+        ----------
+        request
+            Body of the request that described the thing; None: it was not described by one.
+        """
+        ...
+
+    def request(self, id: str) -> Mapping[str, Any] | None:
+        """Return the body of the request that described a thing to who may manage it, None if none did.
+
+        Raises
+        ------
+        NotFoundError
+            If the thing is not there.
+        ForbiddenError
+            If it is only shared with the viewer: a description tells what a class may have to find.
         """
         ...
 
@@ -147,8 +180,12 @@ class Shelf(Protocol[T]):
         """Return a thing's arrays as an uncompressed npz file, as they lie in the store."""
         ...
 
+    def discard(self, id: str) -> None:
+        """Move a thing to the trash; `InUseError` if another that is there was made from it."""
+        ...
+
     def remove(self, id: str) -> None:
-        """Forget a thing; `InUseError` if another was made from it."""
+        """Forget a thing at once and for good; `InUseError` if another was made from it."""
         ...
 
     def check(self, id: str) -> None:
@@ -192,6 +229,25 @@ class TrialShelf(Protocol):
         ...
 
 
+class Trash(Protocol):
+    """What was deleted and can be restored."""
+
+    def list(self, *, owner: str, limit: int, cursor: str | None = None) -> list[Discarded]:
+        """Return what an owner has in the trash, last deleted first, what was deleted before `cursor`."""
+        ...
+
+    def restore(self, id: str) -> Entry:
+        """Return the entry of a thing that is taken out of the trash.
+
+        `InTrashError` if something that it was made from is in the trash, too.
+        """
+        ...
+
+    def remove(self, id: str) -> None:
+        """Remove a thing in the trash for good; `InUseError` if another one there was made from it."""
+        ...
+
+
 class Store(Protocol):
     """Everything that is kept."""
 
@@ -206,6 +262,7 @@ class Store(Protocol):
     diagnoses: Shelf[Any]
     truths: TruthShelf
     trials: TrialShelf
+    trash: Trash
 
     def as_seen_by(self, viewer: Viewer) -> "Store":
         """Return the store in which only what is there for the viewer exists."""

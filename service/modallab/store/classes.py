@@ -9,7 +9,7 @@ from sqlalchemy.exc import IntegrityError
 
 from modallab.core.errors import InvalidInputError, NotFoundError
 from modallab.store.keys import KeyBook, NewKey, Role, now, written
-from modallab.store.sql import insert_once, new_id
+from modallab.store.rows import insert_once, new_id
 from modallab.store.tables import CLASSES, KEYS, SHARES, THINGS
 from modallab.store.viewer import Viewer, manageable
 
@@ -99,20 +99,22 @@ class ClassBook:
             If class or thing are not there for the viewer.
         """
         self.get(id, viewer=viewer)
-        query = sa.select(THINGS.c.id).where(THINGS.c.id == thing_id, manageable(THINGS.c.owner, viewer))
+        is_there = (THINGS.c.id == thing_id) & THINGS.c.removed.is_(None)
+        query = sa.select(THINGS.c.id).where(is_there, manageable(THINGS.c.owner, viewer))
         try:
             with self._engine.begin() as connection:
-                is_there = connection.execute(query).first() is not None
-                if is_there:
+                found = connection.execute(query).first() is not None
+                if found:
                     insert_once(connection, SHARES, {"class_id": id, "thing_id": thing_id})
         except IntegrityError:  # removed this very moment
-            is_there = False
-        if not is_there:
+            found = False
+        if not found:
             raise NotFoundError("nothing is stored under this id", field="resource_id", value=thing_id)
 
     def shares(self, id: str) -> Sequence[str]:
         """Return the ids of what is shared with a class, sorted."""
-        query = sa.select(SHARES.c.thing_id).where(SHARES.c.class_id == id).order_by(SHARES.c.thing_id)
+        query = sa.select(SHARES.c.thing_id).join(THINGS, THINGS.c.id == SHARES.c.thing_id)
+        query = query.where(SHARES.c.class_id == id, THINGS.c.removed.is_(None)).order_by(SHARES.c.thing_id)
         with self._engine.begin() as connection:
             return connection.execute(query).scalars().all()
 

@@ -18,7 +18,7 @@ import sqlalchemy as sa
 
 from modallab.core.errors import InvalidInputError, NotFoundError, bounds
 from modallab.store.base import UnauthorisedError
-from modallab.store.sql import new_id
+from modallab.store.rows import new_id
 from modallab.store.tables import KEYS, SESSIONS, SIGN_IN_LINKS
 from modallab.store.viewer import Viewer, Visibility, manageable
 

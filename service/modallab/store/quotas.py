@@ -5,7 +5,9 @@ from dataclasses import dataclass
 import sqlalchemy as sa
 
 from modallab.core.errors import ModalLabError
+from modallab.store.arrays import ArrayFiles
 from modallab.store.tables import KEYS, THINGS
+from modallab.store.trash import empty_trash
 from modallab.store.viewer import LOCAL
 
 
@@ -49,13 +51,22 @@ class Quotas:
 NO_QUOTAS = Quotas()
 
 
-def check_storage(engine: sa.Engine, owner: str, quotas: Quotas) -> None:
-    """Raise `StorageQuotaError` if more bytes are stored for an owner, or for the class, than may be."""
-    stored = sa.select(sa.func.coalesce(sa.func.sum(THINGS.c.size), 0))
-    with engine.begin() as connection:
-        excess = quotas.excess(connection, owner, THINGS.c.owner, stored)
+def check_storage(engine: sa.Engine, files: ArrayFiles, owner: str, quotas: Quotas) -> None:
+    """Raise `StorageQuotaError` if more bytes are stored for an owner, or for the class, than may be.
+
+    The owner's trash counts, and is emptied where it takes room that is needed.
+    """
+    excess = _excess_bytes(engine, owner, quotas)
+    if excess is not None and empty_trash(engine, files, THINGS.c.owner == owner):
+        excess = _excess_bytes(engine, owner, quotas)
     if excess is not None:
         name, quota = excess
         raise StorageQuotaError(
             f"as much is stored for this {name} as may be: remove something first", allowed=f"{quota} bytes"
         )
+
+
+def _excess_bytes(engine: sa.Engine, owner: str, quotas: Quotas) -> tuple[str, int] | None:
+    stored = sa.select(sa.func.coalesce(sa.func.sum(THINGS.c.size), 0))
+    with engine.begin() as connection:
+        return quotas.excess(connection, owner, THINGS.c.owner, stored)

@@ -5,7 +5,8 @@ from collections.abc import Collection
 import sqlalchemy as sa
 
 from modallab.store.arrays import ArrayFiles
-from modallab.store.tables import METADATA, SHARES, THINGS
+from modallab.store.tables import SHARES, THINGS
+from modallab.store.uses import users
 
 
 def remove_unnamed(engine: sa.Engine, files: ArrayFiles, before: str, keep: Collection[str]) -> int:
@@ -34,16 +35,9 @@ def _remove_unused(engine: sa.Engine, before: str, keep: Collection[str]) -> lis
     is_unnamed = (THINGS.c.name == "") | ((THINGS.c.kind == "structure") & (THINGS.c.name == own_name))
     without_words = (sa.cast(THINGS.c.labels, sa.Text) == "[]") & (THINGS.c.comment == "")
     condition = (THINGS.c.created < before) & is_unnamed & without_words & THINGS.c.id.not_in(list(keep))
-    for column in _users():
+    condition &= THINGS.c.removed.is_(None)
+    for column in (*users(), SHARES.c.thing_id):
         condition &= ~sa.exists().where(column == THINGS.c.id)
     removal = THINGS.delete().where(condition).returning(THINGS.c.id, THINGS.c.arrays_hash)
     with engine.begin() as connection:
         return [(row.id, row.arrays_hash) for row in connection.execute(removal)]
-
-
-def _users() -> list[sa.Column[str]]:
-    """Return the columns that name a thing which is in use: what is not removed with the thing itself."""
-    keys = [key for table in METADATA.tables.values() for key in table.foreign_keys]
-    return [key.parent for key in keys if key.column is THINGS.c.id and key.ondelete != "CASCADE"] + [
-        SHARES.c.thing_id
-    ]

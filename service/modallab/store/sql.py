@@ -1,7 +1,6 @@
 """Store of objects in an SQL database and in array files."""
 
 import json
-import secrets
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import fields
@@ -9,18 +8,20 @@ from datetime import UTC, datetime
 from typing import Any, Generic, TypeVar
 
 import sqlalchemy as sa
-from sqlalchemy.dialects import postgresql, sqlite
 from sqlalchemy.exc import IntegrityError
 
 import modallab
 from modallab.core.errors import NotFoundError
 from modallab.store.arrays import ArrayFiles
-from modallab.store.base import Description, Entry, ForbiddenError, InUseError, Truth
+from modallab.store.base import Description, Entry, ForbiddenError, InUseError
 from modallab.store.codec import CODECS, Codec
 from modallab.store.npz import pack, unpack
-from modallab.store.plain import from_plain, to_plain
-from modallab.store.tables import LINKS, THINGS, TRUTHS
+from modallab.store.rows import insert_once, new_id
+from modallab.store.tables import LINKS, THINGS
+from modallab.store.trash import SqlTrash, absence, discard, revive
 from modallab.store.trials import SqlTrials
+from modallab.store.truths import SqlTruths
+from modallab.store.uses import held
 from modallab.store.viewer import EVERYONE, UNPUBLISHED, Viewer, manageable, readable
 from modallab.store.weights import weight_of
 
@@ -30,20 +31,6 @@ Connect = Callable[[], AbstractContextManager[sa.Connection]]
 _LONGEST_NAME = 100
 _ENTRY_FIELDS = tuple(field.name for field in fields(Entry))
 _ENTRY = [THINGS.c[name] for name in _ENTRY_FIELDS]
-
-
-def new_id() -> str:
-    """Return an id that says nothing and cannot be guessed."""
-    return secrets.token_hex(12)
-
-
-def insert_once(connection: sa.Connection, table: sa.Table, row: Mapping[str, Any]) -> bool:
-    """Insert a row and tell whether it was not there before."""
-    dialect = postgresql if connection.dialect.name == "postgresql" else sqlite
-    # rowcount is -1 for some drivers; RETURNING says for certain whether a row went in.
-    first = next(iter(table.primary_key.columns))
-    statement = dialect.insert(table).values(**row).on_conflict_do_nothing().returning(first)
-    return connection.execute(statement).first() is not None
 
 
 class SqlShelf(Generic[T]):
@@ -63,6 +50,7 @@ class SqlShelf(Generic[T]):
         inputs: Mapping[str, str] | None = None,
         seed: int | None = None,
         id: str | None = None,
+        request: Mapping[str, Any] | None = None,
     ) -> str:
         """Store a thing and return its id; under an `id` that is taken, nothing happens."""
         own_id = id or new_id()
@@ -79,32 +67,35 @@ class SqlShelf(Generic[T]):
             "inputs": dict(inputs or {}),
             "seed": seed,
             "body": body,
+            "request": request,
             "arrays_hash": self._files.put(own_id, packed) if arrays else None,
-            "size": len(json.dumps(body)) + len(packed),
+            "size": len(json.dumps(body)) + len(json.dumps(request)) * bool(request) + len(packed),
             "name": getattr(thing, "name", "")[
                 :_LONGEST_NAME
             ],  # a structure's own, until its owner gives another
         }
         with self._connect() as connection:
-            if insert_once(connection, THINGS, row):
-                self._link(connection, own_id, set(row["inputs"].values()))
+            is_new = insert_once(connection, THINGS, row)
+            self._check_origins(connection, set(row["inputs"].values()))
+            if is_new:
+                for target in sorted(set(row["inputs"].values())):
+                    connection.execute(LINKS.insert().values(source=own_id, target=target))
+            else:
+                revive(connection, self._kind, own_id, owner)
         return own_id
 
-    def _link(self, connection: sa.Connection, source: str, targets: set[str]) -> None:
-        try:
-            for target in sorted(targets):
-                connection.execute(LINKS.insert().values(source=source, target=target))
-        except IntegrityError:
+    def _check_origins(self, connection: sa.Connection, ids: set[str]) -> None:
+        if not held(connection, ids):
             raise NotFoundError(
-                f"what the {self._kind} was made from is no longer stored", value=", ".join(sorted(targets))
-            ) from None
+                f"what the {self._kind} was made from is no longer stored", value=", ".join(sorted(ids))
+            )
 
     def _row(self, id: str, *columns: sa.Column[Any]) -> sa.Row[Any]:
         query = sa.select(*columns).where(THINGS.c.id == id, THINGS.c.kind == self._kind)
         with self._connect() as connection:
             row = connection.execute(query.where(readable(self._viewer))).first()
-        if row is None:
-            raise NotFoundError(f"there is no {self._kind} {id!r}", field=f"{self._kind}_id", value=id)
+            if row is None:
+                raise absence(connection, self._kind, id, self._viewer)
         return row
 
     def get(self, id: str) -> T:
@@ -112,6 +103,17 @@ class SqlShelf(Generic[T]):
         row = self._row(id, THINGS.c.body, THINGS.c.arrays_hash)
         arrays = unpack(self._files.get(id, row.arrays_hash)) if row.arrays_hash else {}
         return self._codec.put_together(row.body, arrays)
+
+    def request(self, id: str) -> Mapping[str, Any] | None:
+        """Return the body of the request that described a thing, to who may manage it."""
+        self.check(id)
+        query = sa.select(THINGS.c.request).where(THINGS.c.id == id, manageable(THINGS.c.owner, self._viewer))
+        with self._connect() as connection:
+            row = connection.execute(query).first()
+        if row is None:
+            raise ForbiddenError(f"this {self._kind} is shared with your class, its description is not")
+        described: Mapping[str, Any] | None = row.request
+        return described
 
     def entry(self, id: str) -> Entry:
         """Return the entry of a thing."""
@@ -168,6 +170,15 @@ class SqlShelf(Generic[T]):
         digest = self._row(id, THINGS.c.arrays_hash).arrays_hash
         return self._files.get(id, digest) if digest else pack({})
 
+    def discard(self, id: str) -> None:
+        """Move a thing to the trash."""
+        self.check(id)
+        with self._connect() as connection:
+            is_discarded = discard(connection, id, self._viewer)
+        if not is_discarded:
+            self.check(id)  # another may have been faster
+            raise self._shared()
+
     def remove(self, id: str) -> None:
         """Forget a thing."""
         digest = self._row(id, THINGS.c.arrays_hash).arrays_hash
@@ -201,36 +212,6 @@ def _has_label(label: str) -> sa.ColumnElement[bool]:
     return sa.cast(THINGS.c.labels, sa.Text).contains(json.dumps(label), autoescape=True)
 
 
-class SqlTruths:
-    """Truths of measurements, in a separate table."""
-
-    def __init__(self, connect: Connect) -> None:
-        self._connect = connect
-
-    def add(self, truth: Truth, *, measurement_id: str, owner: str) -> None:
-        """Store how a measurement was made, once."""
-        row = {"measurement_id": measurement_id, "structure_id": truth.structure_id, "owner": owner}
-        with self._connect() as connection:
-            insert_once(connection, TRUTHS, row | {"body": to_plain(truth)[0]})
-
-    def get(self, measurement_id: str, *, owner: str) -> Truth:
-        """Return the truth of a measurement to its owner."""
-        condition = (TRUTHS.c.measurement_id == measurement_id) & (TRUTHS.c.owner == owner)
-        with self._connect() as connection:
-            row = connection.execute(sa.select(TRUTHS.c.body).where(condition)).first()
-        if row is None:
-            raise NotFoundError(
-                f"how measurement {measurement_id!r} was made is not known", value=measurement_id
-            )
-        return from_plain(Truth, row.body, {})
-
-    def holds(self, measurement_id: str) -> bool:
-        """Tell whether it is known how a measurement was made."""
-        query = sa.select(TRUTHS.c.measurement_id).where(TRUTHS.c.measurement_id == measurement_id)
-        with self._connect() as connection:
-            return connection.execute(query).first() is not None
-
-
 class SqlStore:
     """Everything that is kept, in a database and a place for array files, as a viewer sees it."""
 
@@ -246,6 +227,7 @@ class SqlStore:
         self.diagnoses = self._shelf("diagnosis")
         self.truths = SqlTruths(connect)
         self.trials = SqlTrials(connect)
+        self.trash = SqlTrash(connect, files, viewer)
 
     def _shelf(self, kind: str) -> SqlShelf[Any]:
         return SqlShelf(kind, CODECS[kind], self._connect, self._files, self._viewer)

@@ -22,15 +22,18 @@ THINGS = sa.Table(
     sa.Column("inputs", sa.JSON, nullable=False),
     sa.Column("seed", sa.BigInteger),
     sa.Column("body", sa.JSON, nullable=False),
+    sa.Column("request", sa.JSON(none_as_null=True)),  # body of the request that described it, as it was sent
     sa.Column("arrays_hash", sa.String(64)),  # SHA-256 of the array file, null without arrays
     sa.Column("size", sa.BigInteger, nullable=False, server_default="0"),  # bytes of body and array file
-    # What its owner says of it: the only columns that change.
+    sa.Column("removed", sa.String(40)),  # when it was moved to the trash, null: it is there
+    # What its owner says of it: beside `removed` the only columns that change.
     sa.Column("name", sa.String(100), nullable=False, server_default=""),
     sa.Column("labels", sa.JSON, nullable=False, server_default="[]"),
     sa.Column("comment", sa.Text, nullable=False, server_default=""),
     sa.Index("ix_things_shelf", "kind", "owner", "created", "id"),
     sa.Index("ix_things_size", "owner", "size"),
     sa.Index("ix_things_created", "kind", "created", "id"),
+    sa.Index("ix_things_removed", "removed"),
 )
 
 # Which thing was made from which: what keeps an input from being removed.

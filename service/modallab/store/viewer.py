@@ -53,9 +53,9 @@ def manageable(owner: sa.ColumnElement[str], viewer: Viewer) -> sa.ColumnElement
 
 
 def readable(viewer: Viewer) -> sa.ColumnElement[bool]:
-    """Return the condition under which a stored thing exists for the viewer."""
-    condition = manageable(THINGS.c.owner, viewer)
+    """Return the condition under which a stored thing exists for the viewer: nothing in the trash does."""
+    is_there, condition = THINGS.c.removed.is_(None), manageable(THINGS.c.owner, viewer)
     if viewer.class_id is None:
-        return condition
+        return is_there & condition
     shared_ids = sa.select(SHARES.c.thing_id).where(SHARES.c.class_id == viewer.class_id)
-    return sa.or_(condition, THINGS.c.id.in_(shared_ids))
+    return is_there & sa.or_(condition, THINGS.c.id.in_(shared_ids))

@@ -132,6 +132,13 @@ def throwaway(school: School, shelf: str) -> str:
     return str(getattr(store, shelf).add(thing, owner=ids["student"]))
 
 
+def discarded(school: School) -> str:
+    """Return the id of one more structure of the student's, which is in the trash."""
+    id = throwaway(school, "structures")
+    school.service.app.state.store.structures.discard(id)
+    return id
+
+
 _SINGULAR = {
     "measurements": "measurement",
     "modal_models": "modal_model",

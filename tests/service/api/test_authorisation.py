@@ -21,6 +21,7 @@ from tests.service.api.authorisation import (
     RIG,
     School,
     assignment,
+    discarded,
     fill,
     new_assignment,
     new_class,
@@ -133,6 +134,7 @@ ROWS: dict[str, Row] = {
     "import_structure": anyone(422, form=unread),
     "list_structures": anyone(),
     "get_structure": owned(id="structure"),
+    "get_structure_body": owned(id="structure"),
     "describe_structure": owned(id="structure", body=of(name="new")),
     "delete_structure": removal("structures"),
     "change_structure": owned(
@@ -152,6 +154,7 @@ ROWS: dict[str, Row] = {
     "create_rig": anyone(201, body=lambda _: RIG),
     "list_rigs": anyone(),
     "get_rig": owned(id="rig"),
+    "get_rig_body": owned(id="rig"),
     "get_checks": owned(id="rig", query="?structure_id={structure}"),
     "describe_rig": owned(id="rig", body=of(name="new")),
     "delete_rig": removal("rigs"),
@@ -222,6 +225,10 @@ ROWS: dict[str, Row] = {
     "get_diagnosis_report": owned(id="diagnosis"),
     "describe_diagnosis": owned(id="diagnosis", body=of(name="new")),
     "delete_diagnosis": removal("diagnoses"),
+    # the trash
+    "list_trash": anyone(),
+    "restore_from_trash": owned(id=discarded),
+    "remove_from_trash": owned(204, id=discarded),
     # jobs
     "list_jobs": anyone(),
     "cancel_all_jobs": anyone(),

@@ -85,6 +85,21 @@ def test_what_somebody_named_stays_with_what_it_was_made_from(
     store.modal_models.get(named)  # with its arrays
 
 
+def test_what_was_deleted_goes_after_a_day_with_a_name_too(places: Places, model: str, modes: Modes) -> None:
+    store, place = open_store(places[0]), places[0]
+    named = modes(model)
+    store.modal_models.describe(named, Description(name="mine"))
+    store.modal_models.discard(named)
+    without_days = Retention(book_at(places), place, None)
+    assert without_days.sweep(Engine(), now=datetime.now(UTC) + timedelta(hours=23)) == (0, 0)
+    assert without_days.sweep(Engine(), now=datetime.now(UTC) + timedelta(hours=25)) == (0, 1)
+    assert not files_of(places)
+    assert store.structures.holds(model)
+    store.structures.discard(model)
+    assert Retention(book_at(places), place, 1e-6).sweep(Engine(), now=datetime.now(UTC)) == (0, 0)
+    store.trash.restore(model)  # old, and yet deleted a moment ago
+
+
 def test_a_structure_stays_once_its_owner_gives_it_a_name(places: Places, model: str) -> None:
     open_store(places[0]).structures.describe(model, Description(name="my bay"))
     assert swept(places) == (0, 0)

@@ -48,3 +48,22 @@ def test_what_was_stored_before_there_were_quotas_counts_without_its_arrays(plac
     place.prepare()
     with engine_of(place).begin() as connection:
         assert connection.execute(size).scalar_one() == before > 0  # a structure has no arrays
+
+
+def test_what_was_stored_before_bodies_were_kept_has_none(place: StorePlace) -> None:
+    id = open_store(place).structures.add(STRUCTURES["bay"](), owner="me", request={"kind": "catalogue"})
+    assert open_store(place).structures.request(id) == {"kind": "catalogue"}
+    with engine_of(place).begin() as connection:
+        command.downgrade(alembic_config(connection), "0009")
+    place.prepare()
+    assert open_store(place).structures.request(id) is None
+
+
+def test_what_is_in_the_trash_is_there_for_a_version_without_it(place: StorePlace) -> None:
+    store = open_store(place)
+    id = store.structures.add(STRUCTURES["bay"](), owner="me")
+    store.structures.discard(id)
+    with engine_of(place).begin() as connection:
+        command.downgrade(alembic_config(connection), "0010")
+    place.prepare()
+    assert store.structures.holds(id)

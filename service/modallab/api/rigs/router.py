@@ -7,7 +7,7 @@ from fastapi import APIRouter, Query, status
 from modallab.api.deps import Id, IdPath, OwnerDep, StoreDep
 from modallab.api.examples import example
 from modallab.api.offloading.route import OffloadedRoute
-from modallab.api.rigs.replies import ChecksReply, RigChecks, RigReply, rig_reply
+from modallab.api.rigs.replies import ChecksReply, RigChecks, RigReply, rig_reply, rig_request
 from modallab.api.rigs.schemas import RigIn
 from modallab.api.shelves import add_routes
 from modallab.rig.checks import check_result, checks
@@ -36,6 +36,12 @@ def create_rig(body: Annotated[RigIn, example(_RIG)], store: StoreDep, owner: Ow
 def get_rig(id: IdPath, store: StoreDep) -> Any:
     """Return a rig as declared, with defaults filled in."""
     return rig_reply(store.rigs.get(id), store.rigs.entry(id))
+
+
+@router.get("/{id}/body", summary="Get the body that declares a rig")
+def get_rig_body(id: IdPath, store: StoreDep) -> dict[str, Any]:
+    """Return the body of `POST /v1/rigs` that declares the same rig, with defaults filled in."""
+    return rig_request(store.rigs.get(id))
 
 
 @router.get("/{id}/checks", response_model=ChecksReply, summary="Check a rig on a structure")

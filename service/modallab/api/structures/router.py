@@ -31,7 +31,8 @@ from modallab.api.structures.replies import (
     structure_reply,
 )
 from modallab.api.structures.schemas import StructureIn
-from modallab.api.wire import Text
+from modallab.api.wire import Text, Wire
+from modallab.core.errors import NotFoundError
 from modallab.fe.changes import change
 from modallab.fe.expansion import expand
 from modallab.fe.structure import Structure
@@ -83,11 +84,13 @@ _SYNTHETIC = {"count": 8, "dofs": ["1:+Y", "11:+Y", "21:+Y"], "noise": {"eigenva
 _EXPANSION = {"modal_model_id": "77ab10", "reduction": "serep"}
 
 
-def _stored(store: Store, structure: Structure, owner: str, **inputs: str) -> Any:
-    """Return the reply of a structure after storing it."""
-    return structure_reply(
-        structure, store.structures.entry(store.structures.add(structure, owner=owner, inputs=inputs))
-    )
+def _stored(
+    store: Store, structure: Structure, owner: str, request: Wire | None = None, **inputs: str
+) -> Any:
+    """Return the reply of a structure after storing it, with the body of the request that described it."""
+    body = None if request is None else request.model_dump(mode="json", exclude_unset=True)
+    stored = store.structures.add(structure, owner=owner, inputs=inputs, request=body)
+    return structure_reply(structure, store.structures.entry(stored))
 
 
 @router.post(
@@ -95,7 +98,7 @@ def _stored(store: Store, structure: Structure, owner: str, **inputs: str) -> An
 )
 def create_structure(body: Annotated[StructureIn, _BODY], store: StoreDep, owner: OwnerDep) -> Any:
     """Return a structure from its description: a beam, a frame, a plate, or one of the catalogue by name."""
-    return _stored(store, body.to_domain(), owner)
+    return _stored(store, body.to_domain(), owner, body)
 
 
 @router.post(
@@ -127,6 +130,24 @@ def get_structure(id: IdPath, store: StoreDep) -> Any:
     return structure_reply(store.structures.get(id), store.structures.entry(id))
 
 
+@router.get("/{id}/body", summary="Get the body that described a structure")
+def get_structure_body(id: IdPath, store: StoreDep) -> dict[str, Any]:
+    """Return the body of the request that described a structure: sent again, it makes the same one.
+
+    Of a changed structure it is that of its changes. Not for those with whom it is shared.
+    """
+    body = store.structures.request(id)
+    if body is None:
+        raise NotFoundError(
+            f"no request described the structure {id!r}: it was computed, read from a file, given in an "
+            "assignment, or stored by an earlier version",
+            field="id",
+            value=id,
+            allowed="structures of `POST /v1/structures` and `POST /v1/structures/{id}/changes`",
+        )
+    return dict(body)
+
+
 @router.post(
     "/{id}/changes",
     status_code=status.HTTP_201_CREATED,
@@ -138,7 +159,7 @@ def change_structure(
 ) -> Any:
     """Return a new structure with changed members, masses or springs; the first one stays as it is."""
     changed = change(store.structures.get(id), [change_in.to_domain() for change_in in body.changes])
-    return _stored(store, changed, owner, structure_id=id)
+    return _stored(store, changed, owner, body, structure_id=id)
 
 
 @router.get(

@@ -1,0 +1,47 @@
+"""The trash: what was deleted, to be restored within a day."""
+
+from modallab_client import _wire
+from modallab_client._generated import models
+from modallab_client._sync.transport import Transport
+from modallab_client.results import DiscardedEntry, StoredEntry
+from modallab_client.stored import Identified, id_of
+
+
+class Trash:
+    """What was deleted from the service and can be restored."""
+
+    def __init__(self, transport: Transport) -> None:
+        self._transport = transport
+
+    def list(self, *, owner: str | None = None) -> tuple[DiscardedEntry, ...]:
+        """Return the entries of what is in the trash, last deleted first.
+
+        Parameters
+        ----------
+        owner
+            Id of the key that made them; None: one's own.
+        """
+        collected: tuple[DiscardedEntry, ...] = ()
+        cursor: str | None = None
+        while True:
+            params = _wire.body(after=cursor, owner=owner)
+            page = _wire.reply(models.TrashPage, self._transport.request("GET", "/v1/trash", params=params))
+            collected += page.items
+            cursor = page.next
+            if cursor is None:
+                return collected
+
+    def restore(self, id: Identified) -> StoredEntry:
+        """Return the entry of something that is taken out of the trash.
+
+        Raises
+        ------
+        ConflictError
+            If what it was made from is in the trash, too.
+        """
+        reply = self._transport.request("POST", f"/v1/trash/{id_of(id)}/restore")
+        return _wire.read(_wire.entry, reply)
+
+    def remove(self, id: Identified) -> None:
+        """Remove something in the trash for good."""
+        self._transport.request("DELETE", f"/v1/trash/{id_of(id)}")
