@@ -204,7 +204,6 @@ class _Nuisances:
         self._room = nuisances.low - nuisances.position, nuisances.high - nuisances.position
         curvature = self._derivatives.T @ self._derivatives + np.diag(nuisances.precision)
         self._quadratic = BoundedQuadratic(curvature)
-        self._covariance = np.linalg.inv(curvature)
 
     def gain(self, change: FloatArray) -> float:
         """Return chi-square of what they leave of a change (n_residuals,), and of their prior."""
@@ -223,15 +222,13 @@ class _Nuisances:
 
     def remaining_within_bounds(self, change: FloatArray) -> FloatArray:
         """Return what they leave (n_residuals,) of a change within their bounds."""
-        return np.asarray(
-            change + self._derivatives @ self._quadratic.minimise(self._gradient(change), *self._room)
-        )
+        return np.asarray(change + self._derivatives @ self._shift(change, *self._room))
 
-    def _shift(self, change: FloatArray) -> FloatArray:
-        return np.asarray(-self._covariance @ self._gradient(change))
-
-    def _gradient(self, change: FloatArray) -> FloatArray:
-        return np.asarray(self._derivatives.T @ change)
+    def _shift(
+        self, change: FloatArray, low: float | FloatArray = -np.inf, high: float | FloatArray = np.inf
+    ) -> FloatArray:
+        gradient, bounds = self._derivatives.T @ change, np.ones(len(self._precision))
+        return self._quadratic.minimise(gradient, low * bounds, high * bounds)
 
 
 def _excess_of_parts(predictor: Predictor, found: Fit) -> dict[str, float]:
