@@ -12,7 +12,7 @@ from modallab.fe.system import DynamicSystem
 from modallab.rig.cancellation import with_mass_cancelled
 from modallab.rig.channel import Channel
 from modallab.rig.channel_response import CACHED_RECEPTANCE, CachedReceptance, ChannelResponse
-from modallab.rig.distortion import with_equivalent_linearisation
+from modallab.rig.distortion import with_equivalent_linearisation, with_linearisation_of
 from modallab.rig.drive import Drive, reaction, transmission
 from modallab.rig.effect import EFFECTS, Effect, build
 from modallab.rig.excitation import EXCITATIONS
@@ -218,6 +218,7 @@ def chain(
     *,
     same_in_all_runs: bool = False,
     initial_rms: FloatArray | None = None,
+    linearised: Sequence[Run] | None = None,
     only: Sequence[int] | None = None,
 ) -> Chain:
     """Return the measuring chain of a system on a rig.
@@ -233,6 +234,8 @@ def chain(
     same_in_all_runs, initial_rms
         Whether nonlinear forces take the same motion in every run, and what they take in a chain very
         much like it, as `with_equivalent_linearisation`.
+    linearised
+        Runs of a chain very much like it, whose equivalent linearisation is taken as it is.
     only
         Indices of the runs that the chain has; None: all of the log book.
 
@@ -257,8 +260,17 @@ def chain(
         for acquisition_run in _true_runs(declared, effects)
     )
     if local := [force for effect in effects if (force := effect.on_motion()) is not None]:
-        runs = with_equivalent_linearisation(
-            runs, local, setup.analyser, source, same_in_all_runs=same_in_all_runs, initial_rms=initial_rms
+        runs = (
+            with_equivalent_linearisation(
+                runs,
+                local,
+                setup.analyser,
+                source,
+                same_in_all_runs=same_in_all_runs,
+                initial_rms=initial_rms,
+            )
+            if linearised is None
+            else with_linearisation_of(runs, linearised)
         )
     return Chain(setup, runs, noise, source, tuple(effects))
 

@@ -69,6 +69,14 @@ def with_equivalent_linearisation(
     )
 
 
+def with_linearisation_of(runs: Sequence[Run], others: Sequence[Run]) -> tuple[Run, ...]:
+    """Return runs with the equivalent springs and dampers of other runs, which are very much like them."""
+    return tuple(
+        replace(_with_linearised(run, other.local_forces), response_spectrum=other.response_spectrum)
+        for run, other in zip(runs, others, strict=True)
+    )
+
+
 def _local_spectra(
     forces: Sequence[LocalForce],
     driven: ComplexArray,

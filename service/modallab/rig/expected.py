@@ -8,7 +8,7 @@ from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.acquisition import Acquisition
 from modallab.rig.chain import Chain
 from modallab.rig.channel_response import ChannelResponse
-from modallab.rig.distortion import residual_spectra
+from modallab.rig.distortion import ResidualSpectra, residual_spectra
 from modallab.rig.effect import Effect
 from modallab.rig.equivalent_linear_feedback import with_equivalent_feedback
 from modallab.rig.excitation import EXCITATIONS
@@ -22,7 +22,10 @@ from modallab.rig.spectrum_settings import QUADRATURE
 
 
 def expected_spectra(
-    chain: Chain, kernel: LeakageKernel | None = None, lines: IntArray | None = None
+    chain: Chain,
+    kernel: LeakageKernel | None = None,
+    lines: IntArray | None = None,
+    distortion: ResidualSpectra | None = None,
 ) -> CrossSpectra:
     """Return the expected averaged spectra of every run.
 
@@ -37,11 +40,13 @@ def expected_spectra(
         the `derivative_kernel` of one of them.
     lines
         (n,) indices from 0 Hz on of the lines needed, rising; None: all.
+    distortion
+        Spectra of the residual forces at the kernel's nodes; None: those of the chain's own motion.
     """
     if lines is None or len(lines) == chain.setup.analyser.n_lines:
-        return with_noise(chain, noise_free(chain, kernel=kernel))
+        return with_noise(chain, noise_free(chain, kernel=kernel, distortion=distortion))
     if chain.source.continuous > 0 or _needs_whole_band(chain):
-        return expected_spectra(chain, kernel).at(lines)
+        return expected_spectra(chain, kernel, distortion=distortion).at(lines)
     selection = LineSelection(lines)
     return _with_noise(chain, noise_free(chain, selection), selection.of(chain.setup.analyser.freq))
 
@@ -100,6 +105,7 @@ def noise_free(
     kernel: LeakageKernel | None = None,
     *,
     coarse: bool = False,
+    distortion: ResidualSpectra | None = None,
 ) -> ComplexArray:
     """Return G_ff, G_fx and G_xx without noise, concatenated, as seen through the window.
 
@@ -111,6 +117,8 @@ def noise_free(
         In place of the one that the chain's resonances ask for.
     coarse
         Whether leakage is that of a coarse grid, and a decay is followed less far.
+    distortion
+        As in `expected_spectra`.
 
     Returns
     -------
@@ -125,7 +133,8 @@ def noise_free(
             view = coarse_kernel(analyser, lines)
             parts.append(share * _leaked_spectra(view, chain, QUADRATURE.coarse_points))
         else:
-            parts.append(share * _leaked_spectra(kernel or refined_kernel(analyser, *chain.poles()), chain))
+            view_of_all = kernel or refined_kernel(analyser, *chain.poles())
+            parts.append(share * _leaked_spectra(view_of_all, chain, distortion=distortion))
     return np.asarray(sum(parts[1:], parts[0]))
 
 
@@ -153,14 +162,17 @@ def _residual_part(chain: Chain, lines: LineSelection | None) -> ComplexArray | 
 
 
 def _leaked_spectra(
-    view: LineKernel | LeakageKernel, chain: Chain, finest: int = DISTORTION.max_points_per_line
+    view: LineKernel | LeakageKernel,
+    chain: Chain,
+    finest: int = DISTORTION.max_points_per_line,
+    distortion: ResidualSpectra | None = None,
 ) -> ComplexArray:
     analyser = chain.setup.analyser
     density = np.repeat(analyser.source_density(view.nodes)[None, :, None], chain.n_in, axis=2)
     driven, distorted = chain.source_and_residual_response(view.nodes)
     if not chain.runs[0].local_forces:
         return view.convolve(_powers(driven, density))
-    residual = residual_spectra(chain.runs, analyser, chain.source, view.nodes, finest)
+    residual = distortion or residual_spectra(chain.runs, analyser, chain.source, view.nodes, finest)
     driven, distorted = with_equivalent_feedback(driven, distorted, residual.feedback)
     return view.convolve(_powers(driven, density) + _powers(distorted, residual.density))
 

@@ -140,8 +140,10 @@ def _derivatives(
         lambda perturbed: vector(predict([*fixed, *perturbed])), vector(base)
     )
     indices = np.arange(len(predictor.nuisances))
+    nonlinear = any(effect.on_motion() is not None for effect in effects)
+    deviating = predictor.linearisation_at(effects, same_distortion=True) if nonlinear else predict
     by_nuisances = predictor.nuisances.derivatives(
-        lambda deviations: predict([*deviations, *effects]), vector, base, observed, indices
+        lambda deviations: deviating([*deviations, *effects]), vector, base, observed, indices
     )
     n_fitted = len(residual(observed, base).vector(observed.fitted))
     return np.hstack([by_parameters, by_nuisances]), n_fitted

@@ -179,9 +179,16 @@ def _minimised(task: "_FitTask") -> tuple[FloatArray, FloatArray]:
         evaluations=FIT.max_evaluations,
         tolerance=FIT.coarse_tolerance + tolerated,
         excess_share=FIT.excess_share,
+        corrections=max(1, len(task.free) // FIT.parameters_per_correction),
     )
     if float(minimum.vector @ minimum.vector) < FIT.near_noise * len(minimum.vector):
-        minimum.minimise(evaluations=FIT.max_evaluations, tolerance=FIT.tolerance + tolerated)
+        if minimum.corrections > FIT.max_corrections:
+            minimum.renew()
+        minimum.minimise(
+            evaluations=FIT.max_evaluations,
+            tolerance=FIT.tolerance + tolerated,
+            corrections=FIT.max_corrections if len(task.free) > FIT.parameters_per_correction else 1,
+        )
     return minimum.position, minimum.jacobian[: len(minimum.vector) - len(task.free)]
 
 
@@ -255,7 +262,8 @@ class _FitTask:
         """Return the derivatives (n_data, n) of residuals at a position that was evaluated."""
         effects, position = self.at(u)
         observed = self.predictor.observed
-        predict = self.predictor.with_nuisances_at(position).linearisation_at([*self.fixed, *effects])
+        predictor, acting = self.predictor.with_nuisances_at(position), [*self.fixed, *effects]
+        predict = predictor.linearisation_at(acting)
 
         def predict_fitted(perturbed: Sequence[Effect]) -> Predicted:
             return predict([*self.fixed, *perturbed])
@@ -272,8 +280,10 @@ class _FitTask:
         known, self._known = self._known, None  # they serve once: where they mislead they are renewed
         if known is not None:
             return with_prior_rows(by_parameters, known.astype(float), self._prior)
+        nonlinear = any(effect.on_motion() is not None for effect in acting)
+        deviating = predictor.linearisation_at(acting, same_distortion=True) if nonlinear else predict
         by_nuisances = self.predictor.nuisances.derivatives(
-            lambda deviations: predict([*deviations, *self.fixed, *effects]),
+            lambda deviations: deviating([*deviations, *acting]),
             vector,
             base,
             observed,

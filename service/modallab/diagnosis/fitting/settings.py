@@ -40,6 +40,18 @@ class FitSettings(Settings):
         doc="evaluations of a fit, and as many again where the residuals are nearly noise",
         tuned=TESTS,
     )
+    parameters_per_correction: int = setting(
+        8,
+        unit="parameters",
+        doc="nuisance parameters for each correction of derivatives, far from the data, before their renewal",
+        derived="corrections cost an evaluation each, a renewal one for each parameter",
+    )
+    max_corrections: int = setting(
+        3,
+        unit="corrections",
+        doc="corrections of derivatives above which a fit near the data renews them",
+        tuned="a tolerated test with 103 nuisance parameters: chi-square 20 above its minimum after 12",
+    )
     coarse_evaluations: int = setting(
         4, unit="evaluations", doc="evaluations of a coarse fit at each noise inflation", tuned=TESTS
     )

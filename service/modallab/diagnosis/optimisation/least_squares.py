@@ -35,12 +35,13 @@ class BoundedGaussNewton:
         self._low, self._high = bounds
         self.position = start.clip(*bounds)
         self.vector = function(self.position)
-        self._renew()
+        self.renew()
 
-    def _renew(self) -> None:
+    def renew(self) -> None:
+        """Compute the derivatives at the position."""
         self.jacobian = self._differentiate(self.position, self.vector)
         self._metric = self.jacobian.T @ self.jacobian
-        self._fresh = True
+        self.corrections = 0
 
     def minimise(
         self,
@@ -49,6 +50,7 @@ class BoundedGaussNewton:
         tolerance: float,
         excess_share: float = 0.0,
         weights: FloatArray | None = None,
+        corrections: int = 1,
     ) -> None:
         """Take steps until one predicts a gain below `tolerance`, in squared standard deviations.
 
@@ -60,12 +62,15 @@ class BoundedGaussNewton:
             Share of the excess of the cost over that of noise, by which a step has to gain more.
         weights
             (n_data,) of the residuals; all 1 if none are given.
+        corrections
+            Of the derivatives, at least, before steps that gain slowly renew them.
         """
         trust_radius, last_gain = LEAST_SQUARES.first_step, np.inf
         for _ in range(evaluations):
             step, predicted_gain = self._step(trust_radius, weights)
-            if not self._fresh and predicted_gain > max(LEAST_SQUARES.slow_gain * last_gain, tolerance):
-                self._renew()
+            slow = predicted_gain > max(LEAST_SQUARES.slow_gain * last_gain, tolerance)
+            if slow and self.corrections >= corrections:
+                self.renew()
                 step, predicted_gain = self._step(trust_radius, weights)
             last_gain = predicted_gain
             cost = self._cost(self.vector, weights)
@@ -79,7 +84,7 @@ class BoundedGaussNewton:
             successful = np.isfinite(gain) and gain > 0
             longest = float(np.abs(step).max())
             # Errors of derivatives promise a gain even at the minimum.
-            at_minimum = self._fresh and abs(gain) < least_gain
+            at_minimum = not self.corrections and abs(gain) < least_gain
             if vector is not None and successful:
                 self._move(target, vector)
                 trust_radius = max(trust_radius, LEAST_SQUARES.growth * longest)
@@ -87,8 +92,8 @@ class BoundedGaussNewton:
                 trust_radius = longest / LEAST_SQUARES.shrinkage
             if at_minimum:
                 return
-            if not self._fresh and not (successful and gain > LEAST_SQUARES.poor_gain * predicted_gain):
-                self._renew()
+            if self.corrections and not (successful and gain > LEAST_SQUARES.poor_gain * predicted_gain):
+                self.renew()
 
     def _evaluate(self, target: FloatArray) -> FloatArray | None:
         """Return the residuals at a position; None where no prediction exists."""
@@ -104,7 +109,8 @@ class BoundedGaussNewton:
         if (length := float(step @ direction)) > 0:
             self.jacobian = self.jacobian + np.outer(deviation, direction / length)
         self.position = target
-        self.vector, self._fresh = vector, False
+        self.vector = vector
+        self.corrections += 1
 
     def _step(self, trust_radius: float, weights: FloatArray | None) -> tuple[FloatArray, float]:
         """Return the best step within bounds and trust region, and its predicted gain."""

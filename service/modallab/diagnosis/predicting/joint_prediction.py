@@ -115,9 +115,11 @@ class JointPredictor:
         observed = self.stack.observed([part.observed for part in parts])
         return CoarsePrediction(self, effects, observed, predict, predict_together=predict_each)
 
-    def linearisation_at(self, effects: Sequence[Effect]) -> Callable[[Sequence[Effect]], Predicted]:
+    def linearisation_at(
+        self, effects: Sequence[Effect], *, same_distortion: bool = False
+    ) -> Callable[[Sequence[Effect]], Predicted]:
         """Return predictions near some effects for derivatives, see `Predictor`."""
-        parts = [test.linearisation_at(effects) for test in self.tests]
+        parts = [test.linearisation_at(effects, same_distortion=same_distortion) for test in self.tests]
         return lambda perturbed: self.stack.predicted([predict(perturbed) for predict in parts])
 
     def simulate_variance(self, effects: Sequence[Effect]) -> VarianceRatios | None:

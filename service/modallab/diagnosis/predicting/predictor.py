@@ -89,8 +89,17 @@ class Predictor(Protocol):
     def coarse_prediction(self, effects: Sequence[Effect]) -> "CoarsePrediction":
         """Return coarse predictions of additions to some effects."""
 
-    def linearisation_at(self, effects: Sequence[Effect]) -> Callable[[Sequence[Effect]], Predicted]:
-        """Return predictions near some effects for derivatives: leakage on one thin grid for all."""
+    def linearisation_at(
+        self, effects: Sequence[Effect], *, same_distortion: bool = False
+    ) -> Callable[[Sequence[Effect]], Predicted]:
+        """Return predictions near some effects for derivatives: leakage on one thin grid for all.
+
+        Parameters
+        ----------
+        same_distortion
+            Whether nonlinear forces under a continuous spectrum keep their equivalent linearisation and the
+            spectra of what it leaves: ten times faster, for changes that hardly alter the motion.
+        """
 
     def simulate_variance(self, effects: Sequence[Effect]) -> VarianceRatios | None:
         """Return variance ratios of simulated tests with distortion in bursts; None without bursts."""

@@ -26,6 +26,7 @@ from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.chain import Chain, chain
 from modallab.rig.channel import Channel
+from modallab.rig.distortion import ResidualSpectra, residual_spectra
 from modallab.rig.effect import Effect
 from modallab.rig.effects_in_other_test import effects_in_other_test
 from modallab.rig.excitation import EXCITATIONS
@@ -33,6 +34,7 @@ from modallab.rig.expected import coarse_spectra, derivative_kernel, expected_sp
 from modallab.rig.leakage_kernel import LeakageKernel
 from modallab.rig.periodic_variance import VarianceFactors, periodic_factors
 from modallab.rig.record_correlation import correlated_excess_variance
+from modallab.rig.run import Run
 from modallab.rig.setup import RigSetup
 from modallab.rig.simulated_variance import SimulatedVariance, is_intermittent
 from modallab.rig.spectrum_settings import SIMULATED_VARIANCE
@@ -168,6 +170,7 @@ class SingleTestPredictor:
         *,
         same_in_all_runs: bool = False,
         initial_rms: FloatArray | None = None,
+        linearised: Sequence[Run] | None = None,
         share: float = 1.0,
         runs: Sequence[int] | None = None,
     ) -> Chain:
@@ -179,6 +182,8 @@ class SingleTestPredictor:
             Whether nonlinear forces see the same motion in every run, for coarse predictions.
         initial_rms
             Motion of the nonlinear forces (n_run, r) in an almost equal chain, if it is known.
+        linearised
+            Runs of an almost equal chain, whose equivalent linearisation is taken as it is.
         share
             Share of the lines that are predicted.
         runs
@@ -191,9 +196,11 @@ class SingleTestPredictor:
             self._acting(self._in_this_test(effects)),
             same_in_all_runs=same_in_all_runs,
             initial_rms=initial_rms,
+            linearised=linearised,
             only=runs,
         )
-        nonlinear = measuring_chain.runs[0].local_forces and measuring_chain.source.continuous > 0
+        linear = linearised is not None or not measuring_chain.runs[0].local_forces
+        nonlinear = not linear and measuring_chain.source.continuous > 0
         share *= len(measuring_chain.runs) / len(self.setup.acquisition_runs)
         self.budget.spend(share * PREDICTION.nonlinear_cost if nonlinear else share)
         return measuring_chain
@@ -229,16 +236,20 @@ class SingleTestPredictor:
         ).at(self.lines)
 
     def _expected(
-        self, measuring_chain: Chain, kernel: LeakageKernel | None = None, noise: WhiteNoise | None = None
+        self,
+        measuring_chain: Chain,
+        kernel: LeakageKernel | None = None,
+        noise: WhiteNoise | None = None,
+        distortion: ResidualSpectra | None = None,
     ) -> Predicted:
         """Return the expected spectra of a chain, without variances.
 
         Parameters
         ----------
-        noise
-            Of a chain very much like it, from which the fit of free levels starts.
+        noise, distortion
+            Of a chain very much like it: from the one the fit of free levels starts, the other is kept.
         """
-        spectra = expected_spectra(measuring_chain, kernel, self.lines)
+        spectra = expected_spectra(measuring_chain, kernel, self.lines, distortion)
         return Predicted.of(self.observed.with_levels(spectra, start=noise))
 
     def residual(self, effects: Sequence[Effect]) -> Residual:
@@ -267,13 +278,20 @@ class SingleTestPredictor:
         self.budget.spend(cost * (self.simulated.n_simulated - n_before))
         return factors
 
-    def linearisation_at(self, effects: Sequence[Effect]) -> Callable[[Sequence[Effect]], Predicted]:
-        """Return predictions near some effects for derivatives: leakage on one thin grid for all."""
+    def linearisation_at(
+        self, effects: Sequence[Effect], *, same_distortion: bool = False
+    ) -> Callable[[Sequence[Effect]], Predicted]:
+        """Return predictions near some effects for derivatives, see `Predictor`."""
         kernel, motion = derivative_kernel(base := self.chain(effects)), base.local_rms
-        noise = self.observed.white_noise(expected_spectra(base, kernel, self.lines))
+        distortion = linearised = None
+        if same_distortion and kernel is not None and base.runs[0].local_forces:
+            linearised = base.runs
+            distortion = residual_spectra(linearised, base.setup.analyser, base.source, kernel.nodes)
+        noise = self.observed.white_noise(expected_spectra(base, kernel, self.lines, distortion))
 
         def predict(perturbed: Sequence[Effect]) -> Predicted:
-            return self._expected(self.chain(perturbed, initial_rms=motion), kernel, noise)
+            near = self.chain(perturbed, initial_rms=motion, linearised=linearised)
+            return self._expected(near, kernel, noise, distortion)
 
         return predict
 

@@ -1,10 +1,12 @@
 import numpy as np
 import pytest
 
+from modallab.core.arrays import ComplexArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, UnknownDofError
 from modallab.core.place import Members
 from modallab.diagnosis.predicting.comparability import check_comparable
+from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.stiffness_error import StiffnessError
 from modallab.fe.beam import beam
 from modallab.fe.structure import Material, Section
@@ -37,6 +39,23 @@ def test_differences_on_one_thin_grid_are_those_of_exact_predictions() -> None:
     lines = observed.usable
     # Five points of a panel: 1e-3 of a spectrum at the worst line, and of its slope.
     assert np.linalg.norm((thin - whole)[lines]) < 2e-3 * np.linalg.norm(whole[lines])
+
+
+def test_nearby_models_have_nearly_the_same_distortion() -> None:
+    measured = exact(rig(kind="random", window="hann"))
+    predictor, observed = predicting(measured)
+    hardening, step = CubicStiffness(at=Dof(4, "Y"), stiffness=1e11), 1e-4
+    stiffer = StiffnessError(at=None, factor=1 + step)
+
+    def slope(*, same: bool) -> ComplexArray:
+        near = predictor.linearisation_at([hardening], same_distortion=same)
+        return np.asarray(np.log(near([stiffer, hardening]).h / near([hardening]).h) / step)
+
+    kept, renewed, lines = slope(same=True), slope(same=False), observed.usable
+    distorted = predictor.linearisation_at([hardening])([hardening]).h / predictor.predict(()).h
+    assert np.abs(np.log(distorted[lines])).max() > 1  # the force changes FRFs by a factor and more
+    # What a modulus changes is ten and more times what it changes by way of the motion at the force.
+    assert np.linalg.norm((kept - renewed)[lines]) < 0.1 * np.linalg.norm(renewed[lines])
 
 
 def test_an_unmeasured_response_is_what_the_roving_accelerometer_would_have_seen() -> None:
