@@ -65,7 +65,7 @@ class BoundedGaussNewton:
         corrections
             Of the derivatives, at least, before steps that gain slowly renew them.
         """
-        trust_radius, last_gain = LEAST_SQUARES.first_step, np.inf
+        trust_radius, last_gain, n_lost = LEAST_SQUARES.first_step, np.inf, 0
         for _ in range(evaluations):
             step, predicted_gain = self._step(trust_radius, weights)
             slow = predicted_gain > max(LEAST_SQUARES.slow_gain * last_gain, tolerance)
@@ -83,8 +83,9 @@ class BoundedGaussNewton:
             gain = -np.inf if vector is None else cost - self._cost(vector, weights)
             successful = np.isfinite(gain) and gain > 0
             longest = float(np.abs(step).max())
-            # Errors of derivatives promise a gain even at the minimum.
-            at_minimum = not self.corrections and abs(gain) < least_gain
+            # Errors of derivatives promise a gain even at the minimum; those of predictions lose some there.
+            n_lost = n_lost + 1 if not successful and gain > -LEAST_SQUARES.prediction_error else 0
+            at_minimum = not self.corrections and (abs(gain) < least_gain or n_lost > 1)
             if vector is not None and successful:
                 self._move(target, vector)
                 trust_radius = max(trust_radius, LEAST_SQUARES.growth * longest)

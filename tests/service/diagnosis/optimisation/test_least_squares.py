@@ -117,6 +117,40 @@ def test_a_fit_ends_where_derivatives_promise_only_their_own_error() -> None:
     assert descent.position == 0.0
 
 
+def test_a_fit_ends_where_errors_of_predictions_hide_what_steps_gain() -> None:
+    evaluated = []
+
+    def residual(u: FloatArray) -> FloatArray:
+        evaluated.append(float(u[0]))
+        error = 0.005 * (len(evaluated) > 1)  # costs 0.1 wherever a step leads
+        return np.array([10.0 + error, u[0]])
+
+    bounds = np.array([-1.0]), np.array([1.0])
+    descent = BoundedGaussNewton(residual, lambda *_: np.array([[0.1], [1.0]]), np.zeros(1), bounds)
+    descent.minimise(evaluations=20, tolerance=1e-9)
+    assert len(evaluated) == 4  # the start, a step that loses 1.1, and two that lose little
+    assert descent.position == 0.0
+
+
+def test_costly_derivatives_are_corrected_before_they_are_renewed() -> None:
+    true, start = np.array([0.1, 0.2, 0.3]), np.array([-0.8, 0.2, 0.3])
+    renewals = []
+    for corrections in (1, 4):
+        problem = Counted(true)
+        n_renewed = 0
+
+        def counted(u: FloatArray, here: FloatArray, problem: Counted = problem) -> FloatArray:
+            nonlocal n_renewed
+            n_renewed += 1
+            return problem.derivatives(u, here)
+
+        descent = BoundedGaussNewton(problem.residual, counted, start, FREE)
+        descent.minimise(evaluations=30, tolerance=1e-4, corrections=corrections)
+        np.testing.assert_allclose(descent.position, true, atol=1e-4)  # a hundredth of a standard error, 1e-3
+        renewals.append(n_renewed)
+    assert renewals[1] < renewals[0]
+
+
 def test_many_steps_in_a_box_are_nearly_the_best_ones() -> None:
     rng = np.random.default_rng(1)
     slopes, vectors = rng.normal(size=(60, 5)), 3.0 * rng.normal(size=(20, 60))
