@@ -60,6 +60,7 @@ DIAGNOSE = "diagnose --model model.json --measured test.uff --rig rig.json"
         ("convert test.uff a.npz --scale big", "--scale big: a number is needed"),
         ("plot test.uff a.txt", "the picture a.txt: the ending is none of .png"),
         ("openapi --out away/openapi.json", "there is no folder"),
+        ("export project.tar --server http://localhost:1", "the ending is none of .zip"),
         ("body rig r1 --out rig.yaml --server http://localhost:1", "the ending is none of .json"),
     ],
 )

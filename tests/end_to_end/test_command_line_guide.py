@@ -123,5 +123,27 @@ def test_what_a_lab_keeps_is_listed_restored_read_back_and_removed(tmp_path: Pat
             run(restored, tmp_path)
 
 
+def test_what_one_has_in_a_lab_goes_through_a_file(tmp_path: Path) -> None:
+    port = free_port()
+    with running("serve", "--port", str(port), data=tmp_path), Lab(port) as waiting:
+        waiting.wait_until_up()
+        export, imported = (command.replace(":8000", f":{port}") for command in commands("modallab export"))
+        with ModalLab(f"http://127.0.0.1:{port}") as lab:
+            beam = lab.structures.create(**json.loads(dict(FILES)["boom.json"]))
+            lab.structures.describe(beam, name="boom", labels=["autumn"])
+            assert run(export, tmp_path).stdout == "project.zip: 1 structure\n"
+            assert run(imported, tmp_path).stdout == "project.zip: 1 structure\n"
+            again, _ = lab.structures.list(name="boom", label="autumn")
+            assert again.id != beam.id
+            assert (
+                lab.structures.modes(again).frequencies.tolist()
+                == lab.structures.modes(beam).frequencies.tolist()
+            )
+            assert run(f"{export} --label spring", tmp_path).stdout == "project.zip: nothing\n"
+        (tmp_path / "project.zip").write_bytes(b"PK")
+        with pytest.raises(AssertionError, match=r"^modallab import: the file is damaged"):
+            run(imported, tmp_path)
+
+
 def test_the_files_of_the_guide_are_named() -> None:
     assert [name for name, _ in FILES] == ["boom.json", "hammer.json"]
