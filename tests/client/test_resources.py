@@ -340,7 +340,7 @@ def test_what_was_deleted_is_listed_and_restored(lab: ModalLab, service: FakeSer
 
 
 def test_a_project_goes_through_a_file(lab: ModalLab, service: FakeService, tmp_path: Path) -> None:
-    file = httpx.Response(200, content=b"PK", headers={"content-type": "application/zip"})
+    file = httpx.Response(200, content=b"PK", headers={"content-type": "application/octet-stream"})
     service.on("GET /v1/projects/export", file)
     service.on("POST /v1/projects/import", {"ids": {"s1": "s2"}, "counts": {"structure": 1}})
     path = lab.projects.download(tmp_path / "project.zip", label="autumn")

@@ -39,7 +39,7 @@ def school(tmp_path_factory: pytest.TempPathFactory) -> Iterator[School]:
 def content(school: School) -> bytes:
     """The project file of the student."""
     reply = school.send("student", "GET", "/v1/projects/export")
-    assert (reply.status_code, reply.headers["content-type"]) == (200, "application/zip")
+    assert (reply.status_code, reply.headers["content-type"]) == (200, "application/octet-stream")
     return bytes(reply.content)
 
 
