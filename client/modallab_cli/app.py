@@ -7,6 +7,7 @@ import click
 
 from modallab_cli import service
 from modallab_cli.backup import backup, restore
+from modallab_cli.body import body
 from modallab_cli.convert import convert
 from modallab_cli.diagnose import diagnose
 from modallab_cli.extract import extract
@@ -15,12 +16,15 @@ from modallab_cli.lab import fault
 from modallab_cli.measure import measure
 from modallab_cli.openapi import openapi
 from modallab_cli.plot import plot
+from modallab_cli.project import export_project, import_project
+from modallab_cli.trash import trash
 from modallab_cli.update import update
 
 ABOUT = """A virtual modal-testing lab: measure, extract, update and diagnose on files, or serve it over HTTP.
 
 Measure, extract, update, diagnose, convert, plot and openapi need no running service: they work on this
-computer, or with --server URL in a lab elsewhere.
+computer, or with --server URL in a lab elsewhere. Trash, body, export and import read and
+change what such a lab keeps.
 """
 NEEDS_SERVICE = "the service is not installed: pip install 'modallab[service]'"
 
@@ -52,5 +56,7 @@ def _missing(command: click.Command) -> click.Command:
 
 for file_command in (measure, convert, extract, update, diagnose, plot, openapi):
     app.add_command(file_command)
+for lab_command in (trash, body, export_project, import_project):
+    app.add_command(lab_command)
 for service_command in (service.serve, service.worker, service.init, service.demo, keys, backup, restore):
     app.add_command(service_command if find_spec("fastapi") else _missing(service_command))

@@ -59,6 +59,12 @@ server = click.option(
     metavar="URL",
     help="Address of a lab, http://host:8000, whose key is MODALLAB_KEY; left out: this computer.",
 )
+lab = click.option(
+    "--server",
+    required=True,
+    metavar="URL",
+    help="Address of the lab, http://host:8000, whose key is MODALLAB_KEY.",
+)
 
 
 def check_output(path: Path | None, endings: Sequence[str], field: str) -> None:

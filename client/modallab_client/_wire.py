@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from modallab_client import models
-from modallab_client._generated.models import CatalogueEntry, JobStatus, Page, StoredEntry
+from modallab_client._generated.models import CatalogueEntry, JobStatus, StoredEntry
 from modallab_client._read import read_as
 from modallab_client.errors import BY_CODE, ClientError, JobFailedError, UnexpectedReplyError
 
@@ -142,12 +142,6 @@ def pairs(values: ArrayLike) -> Any:
     """Return complex numbers as JSON has them, [re, im] innermost."""
     numbers = np.asarray(values, dtype=complex)
     return np.stack([numbers.real, numbers.imag], axis=-1).tolist()
-
-
-def page(data: Json) -> tuple[tuple[StoredEntry, ...], str | None]:
-    """Return the entries of a page, and `after` of the next one; None at the end."""
-    entries = read_as(Page, data)
-    return entries.items, entries.next
 
 
 def entry(data: Json) -> StoredEntry:

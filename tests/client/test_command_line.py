@@ -60,6 +60,8 @@ DIAGNOSE = "diagnose --model model.json --measured test.uff --rig rig.json"
         ("convert test.uff a.npz --scale big", "--scale big: a number is needed"),
         ("plot test.uff a.txt", "the picture a.txt: the ending is none of .png"),
         ("openapi --out away/openapi.json", "there is no folder"),
+        ("export project.tar --server http://localhost:1", "the ending is none of .zip"),
+        ("body rig r1 --out rig.yaml --server http://localhost:1", "the ending is none of .json"),
     ],
 )
 def test_what_cannot_be_written_or_read_is_refused_before_the_work(line: str, words: str) -> None:

@@ -339,6 +339,18 @@ def test_what_was_deleted_is_listed_and_restored(lab: ModalLab, service: FakeSer
     lab.trash.remove("s1")
 
 
+def test_a_project_goes_through_a_file(lab: ModalLab, service: FakeService, tmp_path: Path) -> None:
+    file = httpx.Response(200, content=b"PK", headers={"content-type": "application/octet-stream"})
+    service.on("GET /v1/projects/export", file)
+    service.on("POST /v1/projects/import", {"ids": {"s1": "s2"}, "counts": {"structure": 1}})
+    path = lab.projects.download(tmp_path / "project.zip", label="autumn")
+    assert (path, path.read_bytes()) == (tmp_path / "project.zip", b"PK")
+    assert service.requests[0].url.query == b"label=autumn"
+    stored = lab.projects.upload(path)
+    assert (stored.ids, stored.counts) == ({"s1": "s2"}, {"structure": 1})
+    assert b"PK" in service.requests[1].content
+
+
 def test_a_description_goes_by_keywords_and_filters_lists(lab: ModalLab, service: FakeService) -> None:
     entry = completed(StoredEntry, {"id": "s1", "name": "first", "labels": ["autumn"]})
     service.on("PATCH /v1/structures/s1", entry)

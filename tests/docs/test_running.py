@@ -6,11 +6,13 @@ import subprocess
 import sys
 from contextlib import ExitStack
 from pathlib import Path
+from typing import Any
 
 import httpx
 from prometheus_client.parser import text_string_to_metric_families
 
 from modallab.api.settings import ServiceSettings
+from tests.pages import run_page
 from tests.serving import Lab, free_port, running
 
 TEXT = (Path(__file__).parents[2] / "docs" / "running.md").read_text(encoding="utf-8")
@@ -65,3 +67,16 @@ def test_its_settings_are_all_there_are_with_their_defaults() -> None:
     for name, field in ServiceSettings.model_fields.items():
         default = "~/.modallab" if name == "data" else "" if field.default is None else field.default
         assert stated[name] == (f"{default:g}" if isinstance(default, float) else str(default)), name
+
+
+def test_its_python_restores_a_beam_and_takes_one_to_another_lab(tmp_path: Path) -> None:
+    run_page("running.md", tmp_path, moved)
+    assert (tmp_path / "project.zip").is_file()
+
+
+def moved(names: dict[str, Any]) -> None:
+    """Check what the page's blocks leave behind."""
+    assert names["stored"].counts == {"structure": 1}
+    discarded, restored, imported = names["__printed__"].splitlines()
+    assert "structure" in discarded
+    assert imported.endswith(restored)

@@ -119,3 +119,14 @@ def test_a_lab_elsewhere_does_the_work(folder: Path, url: str) -> None:
     assert "T</p>" in (folder / "r.html").read_text(encoding="utf-8")
     for picture in ("m.svg", "c.svg", "e.svg", "u.svg"):
         assert "<svg" in (folder / picture).read_text(encoding="utf-8")[:2000], picture
+
+
+def test_what_a_lab_elsewhere_keeps_goes_through_a_file(folder: Path, url: str) -> None:
+    for arguments, begin in (
+        ("export project.zip", "project.zip: "),
+        ("import project.zip", "project.zip: "),
+        ("trash list", ""),
+    ):
+        done = modallab(*arguments.split(), "--server", url, folder=folder)
+        assert done.returncode == 0, (arguments, done.stderr)
+        assert done.stdout.startswith(begin)

@@ -1,5 +1,6 @@
 """What docs/command-line.md tells to type, in a folder without a service."""
 
+import json
 import os
 import re
 import resource
@@ -9,6 +10,9 @@ import sys
 from pathlib import Path
 
 import pytest
+
+from modallab_client import ModalLab
+from tests.serving import Lab, free_port, running
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs" / "command-line.md").read_text(encoding="utf-8")
@@ -84,6 +88,61 @@ def test_a_measurement_needs_no_laboratory(folder: Path) -> None:
     assert done.stdout.startswith("hidden.uff: inertance of 1 response and 11 forces")
     assert "100%" in done.stderr
     assert (folder / "hidden.png").stat().st_size > PICTURE
+
+
+def test_what_a_lab_keeps_is_listed_restored_read_back_and_removed(tmp_path: Path) -> None:
+    printed = commands("modallab trash list")
+    assert [shlex.split(command)[1:3] for command in printed] == [
+        ["trash", "list"],
+        ["trash", "restore"],
+        ["body", "structure"],
+        ["trash", "remove"],
+    ]
+    port = free_port()
+    with running("serve", "--port", str(port), data=tmp_path), Lab(port) as waiting:
+        waiting.wait_until_up()
+        with ModalLab(f"http://127.0.0.1:{port}") as lab:
+            beam = lab.structures.create(**json.loads(dict(FILES)["boom.json"]))
+            listed, restored, described, removed = [
+                command.replace(":8000", f":{port}").replace(" ID ", f" {beam.id} ") for command in printed
+            ]
+            assert run(listed, tmp_path).stdout == ""
+            lab.structures.delete(beam)
+            (line,) = run(listed, tmp_path).stdout.splitlines()
+            assert line.split()[:2] == [beam.id, "structure"]
+            run(restored, tmp_path)
+            assert lab.structures.get(beam.id).id == beam.id
+            run(described, tmp_path)
+            again = json.loads((tmp_path / "again.json").read_text(encoding="utf-8"))
+            assert again == json.loads(dict(FILES)["boom.json"])
+            assert lab.structures.create(**again).n_dofs == beam.n_dofs
+            lab.structures.delete(beam)
+            run(removed, tmp_path)
+            assert lab.trash.list() == ()
+        with pytest.raises(AssertionError, match=r"^modallab trash restore: there is no '\w+' in the trash"):
+            run(restored, tmp_path)
+
+
+def test_what_one_has_in_a_lab_goes_through_a_file(tmp_path: Path) -> None:
+    port = free_port()
+    with running("serve", "--port", str(port), data=tmp_path), Lab(port) as waiting:
+        waiting.wait_until_up()
+        export, imported = (command.replace(":8000", f":{port}") for command in commands("modallab export"))
+        with ModalLab(f"http://127.0.0.1:{port}") as lab:
+            beam = lab.structures.create(**json.loads(dict(FILES)["boom.json"]))
+            lab.structures.describe(beam, name="boom", labels=["autumn"])
+            assert run(export, tmp_path).stdout == "project.zip: 1 structure\n"
+            assert run(imported, tmp_path).stdout == "project.zip: 1 structure\n"
+            again, _ = lab.structures.list(name="boom", label="autumn")
+            assert again.id != beam.id
+            assert (
+                lab.structures.modes(again).frequencies.tolist()
+                == lab.structures.modes(beam).frequencies.tolist()
+            )
+            assert run(f"{export} --label spring", tmp_path).stdout == "project.zip: nothing\n"
+        (tmp_path / "project.zip").write_bytes(b"PK")
+        with pytest.raises(AssertionError, match=r"^modallab import: the file is damaged"):
+            run(imported, tmp_path)
 
 
 def test_the_files_of_the_guide_are_named() -> None:

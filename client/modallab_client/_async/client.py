@@ -16,6 +16,7 @@ from modallab_client._async.diagnoses import AsyncDiagnoses
 from modallab_client._async.jobs import AsyncJobs
 from modallab_client._async.measurements import AsyncMeasurements
 from modallab_client._async.modal_models import AsyncModalModels
+from modallab_client._async.projects import AsyncProjects
 from modallab_client._async.rigs import AsyncRigs
 from modallab_client._async.structures import AsyncStructures
 from modallab_client._async.studies import AsyncStudies
@@ -62,6 +63,7 @@ class AsyncModalLab:
         self.diagnoses = AsyncDiagnoses(self._transport)
         self.jobs = AsyncJobs(self._transport)
         self.trash = AsyncTrash(self._transport)
+        self.projects = AsyncProjects(self._transport)
         self.catalog = AsyncCatalog(self._transport)
         self.keys = AsyncKeys(self._transport)
         self.classes = AsyncClasses(self._transport)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 from modallab_client import _wire
+from modallab_client._async.pages import all_items
 from modallab_client._async.transport import AsyncTransport
 from modallab_client._generated.models import CancelledJobs, JobPage
 from modallab_client._progress import progress_bar
@@ -40,15 +41,7 @@ class AsyncJobs:
         kind
             What they make: `measurement`, `modal_model`, `update`, `diagnosis` or `study`; None: anything.
         """
-        collected: tuple[JobStatus, ...] = ()
-        cursor: str | None = None
-        while True:
-            params = _wire.body(state=state, kind=kind, after=cursor)
-            page = _wire.reply(JobPage, await self._transport.request("GET", "/v1/jobs", params=params))
-            collected += tuple(page.items)
-            cursor = page.next
-            if cursor is None:
-                return collected
+        return await all_items(self._transport, "/v1/jobs", JobPage, state=state, kind=kind)
 
     async def cancel(self, job_id: str) -> None:
         """Ask a job to stop."""

@@ -4,7 +4,9 @@ from collections.abc import Sequence
 from typing import ClassVar
 
 from modallab_client import _wire
+from modallab_client._async.pages import all_items
 from modallab_client._async.transport import AsyncTransport
+from modallab_client._generated.models import Page
 from modallab_client.results import StoredEntry
 from modallab_client.stored import Identified, id_of
 
@@ -31,15 +33,7 @@ class AsyncShelf:
         owner
             Id of the key that made them.
         """
-        wanted = {"name": name, "label": label, "owner": owner}
-        collected: tuple[StoredEntry, ...] = ()
-        cursor: str | None = None
-        while True:
-            reply = await self._transport.request("GET", self.path, params=_wire.body(after=cursor, **wanted))
-            entries, cursor = _wire.read(_wire.page, reply)
-            collected += entries
-            if cursor is None:
-                return collected
+        return await all_items(self._transport, self.path, Page, name=name, label=label, owner=owner)
 
     async def describe(
         self,

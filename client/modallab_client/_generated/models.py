@@ -1602,6 +1602,16 @@ class ModalReciprocityCheck:
 
 
 @dataclass(frozen=True, kw_only=True)
+class ImportedProject:
+    """What was stored of a project file."""
+
+    counts: Mapping[str, int] = field(hash=False)
+    """number of stored objects by kind"""
+    ids: Mapping[str, str] = field(hash=False)
+    """ids of the stored objects by their ids in the file"""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Ready:
     """What the service needs, each found."""
 

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from modallab_client import _wire
 from modallab_client._generated import models
+from modallab_client._sync.pages import all_items
 from modallab_client._sync.transport import Transport
 from modallab_client.results import Class, Key, Link, NewKey, Roll
 from modallab_client.stored import Identified, id_of
@@ -77,15 +78,7 @@ class Keys:
 
     def list(self) -> tuple[Key, ...]:
         """Return one's own key, with the keys of one's classes, or all keys, newest first."""
-        collected: tuple[Key, ...] = ()
-        cursor: str | None = None
-        while True:
-            params = _wire.body(after=cursor)
-            page = _wire.reply(models.KeyPage, self._transport.request("GET", "/v1/keys", params=params))
-            collected += page.items
-            cursor = page.next
-            if cursor is None:
-                return collected
+        return all_items(self._transport, "/v1/keys", models.KeyPage)
 
     def get(self, key_id: str) -> Key:
         """Return what is known of a key: everything but the key itself."""

@@ -17,6 +17,7 @@ from modallab_client._sync.diagnoses import Diagnoses
 from modallab_client._sync.jobs import Jobs
 from modallab_client._sync.measurements import Measurements
 from modallab_client._sync.modal_models import ModalModels
+from modallab_client._sync.projects import Projects
 from modallab_client._sync.rigs import Rigs
 from modallab_client._sync.structures import Structures
 from modallab_client._sync.studies import Studies
@@ -62,6 +63,7 @@ class ModalLab:
         self.diagnoses = Diagnoses(self._transport)
         self.jobs = Jobs(self._transport)
         self.trash = Trash(self._transport)
+        self.projects = Projects(self._transport)
         self.catalog = Catalog(self._transport)
         self.keys = Keys(self._transport)
         self.classes = Classes(self._transport)

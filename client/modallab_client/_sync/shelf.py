@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from typing import ClassVar
 
 from modallab_client import _wire
+from modallab_client._generated.models import Page
+from modallab_client._sync.pages import all_items
 from modallab_client._sync.transport import Transport
 from modallab_client.results import StoredEntry
 from modallab_client.stored import Identified, id_of
@@ -31,15 +33,7 @@ class Shelf:
         owner
             Id of the key that made them.
         """
-        wanted = {"name": name, "label": label, "owner": owner}
-        collected: tuple[StoredEntry, ...] = ()
-        cursor: str | None = None
-        while True:
-            reply = self._transport.request("GET", self.path, params=_wire.body(after=cursor, **wanted))
-            entries, cursor = _wire.read(_wire.page, reply)
-            collected += entries
-            if cursor is None:
-                return collected
+        return all_items(self._transport, self.path, Page, name=name, label=label, owner=owner)
 
     def describe(
         self,

@@ -1,7 +1,8 @@
 """The trash: what was deleted, to be restored within a day."""
 
 from modallab_client import _wire
-from modallab_client._generated import models
+from modallab_client._generated.models import TrashPage
+from modallab_client._sync.pages import all_items
 from modallab_client._sync.transport import Transport
 from modallab_client.results import DiscardedEntry, StoredEntry
 from modallab_client.stored import Identified, id_of
@@ -21,15 +22,7 @@ class Trash:
         owner
             Id of the key that made them; None: one's own.
         """
-        collected: tuple[DiscardedEntry, ...] = ()
-        cursor: str | None = None
-        while True:
-            params = _wire.body(after=cursor, owner=owner)
-            page = _wire.reply(models.TrashPage, self._transport.request("GET", "/v1/trash", params=params))
-            collected += page.items
-            cursor = page.next
-            if cursor is None:
-                return collected
+        return all_items(self._transport, "/v1/trash", TrashPage, owner=owner)
 
     def restore(self, id: Identified) -> StoredEntry:
         """Return the entry of something that is taken out of the trash.

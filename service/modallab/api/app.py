@@ -23,6 +23,7 @@ from modallab.api.modal_models import router as modal_models
 from modallab.api.offloading.processes import RequestProcesses
 from modallab.api.operations import Operations, check_request
 from modallab.api.page import router as page
+from modallab.api.projects import router as projects
 from modallab.api.rigs import router as rigs
 from modallab.api.settings import ServiceSettings
 from modallab.api.structures import router as structures
@@ -129,7 +130,8 @@ def _routes() -> APIRouter:
     v1 = APIRouter(prefix="/v1", dependencies=[Depends(check_request)])
     for part in (structures, rigs, measurements, modal_models, correlations, updates, studies, diagnoses):
         v1.include_router(part.router, dependencies=[PERSONS, ROOM])
-    v1.include_router(assignments.router, dependencies=[PERSONS, ROOM])
+    for storing in (assignments.router, projects.router):
+        v1.include_router(storing, dependencies=[PERSONS, ROOM])
     for router in (jobs.router, catalog.router, trash.router):
         v1.include_router(router, dependencies=[PERSONS])
     for router in (keys.router, classes.router, sessions.router, about.router, limit_list.router):

@@ -33,6 +33,7 @@ TAGS = {
     "studies": "Statistics of an updating method over noise levels and random seeds.",
     "diagnoses": "Search for effects that a structure and a rig lack, from a measurement.",
     "assignments": "Measurements for a class with hidden effects, and marks for what students find.",
+    "projects": "All that somebody has stored, as one file.",
     "trash": "What was deleted, to be restored within 24 hours.",
     "keys": "API keys, classes of students, sessions of web pages.",
     "jobs": "Progress, results and cancellation of long work.",

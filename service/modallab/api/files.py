@@ -17,6 +17,7 @@ _BYTES = "application/octet-stream"
 _HDF5 = _BYTES
 _TEXT = "text/plain"
 WAV_TYPE = "audio/wav"
+ZIP_TYPE = _BYTES  # generators of clients know no type of a zip
 
 
 def _answers(description: str, media_type: str, schema: dict[str, str]) -> dict[int | str, dict[str, Any]]:
@@ -26,6 +27,7 @@ def _answers(description: str, media_type: str, schema: dict[str, str]) -> dict[
 # For the `responses` of routes that answer with files.
 UFF = _answers("Universal file", _BYTES, {"type": "string", "format": "binary"})
 HDF5 = _answers("HDF5 file", _HDF5, {"type": "string", "format": "binary"})
+ZIP = _answers("Project file", ZIP_TYPE, {"type": "string", "format": "binary"})
 FRF_TEXT = _answers("The thesis program's text file", _TEXT, {"type": "string"})
 # For the `openapi_extra` of a route that takes a file instead of JSON.
 FILE = {

@@ -8,6 +8,7 @@ from fastapi import APIRouter
 from modallab.api.deps import SettingsDep
 from modallab.api.limits import REPLY, REQUEST
 from modallab.api.offloading.settings import OFFLOADING
+from modallab.api.projects.settings import PROJECT
 from modallab.api.settings import ServiceSettings
 from modallab.api.wire import Reply
 from modallab.interchange.settings import CONFINEMENT
@@ -66,6 +67,7 @@ def _limits(settings: ServiceSettings) -> Iterator[LimitReply]:
         (OFFLOADING, _OFFLOADING),
         (CONFINEMENT, ("max_bytes",)),
         (RECORDS, ("kept_samples",)),
+        (PROJECT, ("max_things",)),
     )
     for group, names in groups:
         values, specs = asdict(group), group.specs()

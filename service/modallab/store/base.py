@@ -3,12 +3,15 @@
 from collections.abc import Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
-from typing import Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 from modallab.assignments.terms import AssignmentTerms
 from modallab.core.errors import ModalLabError
 from modallab.core.place import EffectSpec
 from modallab.store.viewer import Viewer
+
+if TYPE_CHECKING:
+    from modallab.store.movable import Projects
 
 T = TypeVar("T")
 
@@ -110,6 +113,7 @@ class Shelf(Protocol[T]):
         seed: int | None = None,
         id: str | None = None,
         request: Mapping[str, Any] | None = None,
+        version: str = ...,
     ) -> str:
         """Store a thing and return its id; under an `id` that is taken, nothing happens.
 
@@ -119,6 +123,8 @@ class Shelf(Protocol[T]):
         ----------
         request
             Body of the request that described the thing; None: it was not described by one.
+        version
+            Of modallab that made it; by default this one.
         """
         ...
 
@@ -263,6 +269,7 @@ class Store(Protocol):
     truths: TruthShelf
     trials: TrialShelf
     trash: Trash
+    projects: "Projects"
 
     def as_seen_by(self, viewer: Viewer) -> "Store":
         """Return the store in which only what is there for the viewer exists."""

@@ -16,6 +16,7 @@ from modallab.store.arrays import ArrayFiles
 from modallab.store.base import Description, Entry, ForbiddenError, InUseError
 from modallab.store.codec import CODECS, Codec
 from modallab.store.npz import pack, unpack
+from modallab.store.projects import SqlProjects
 from modallab.store.rows import insert_once, new_id
 from modallab.store.tables import LINKS, THINGS
 from modallab.store.trash import SqlTrash, absence, discard, revive
@@ -51,6 +52,7 @@ class SqlShelf(Generic[T]):
         seed: int | None = None,
         id: str | None = None,
         request: Mapping[str, Any] | None = None,
+        version: str = modallab.__version__,
     ) -> str:
         """Store a thing and return its id; under an `id` that is taken, nothing happens."""
         own_id = id or new_id()
@@ -63,7 +65,7 @@ class SqlShelf(Generic[T]):
             "kind": self._kind,
             "owner": owner,
             "created": datetime.now(UTC).isoformat(timespec="microseconds"),
-            "version": modallab.__version__,
+            "version": version,
             "inputs": dict(inputs or {}),
             "seed": seed,
             "body": body,
@@ -228,6 +230,7 @@ class SqlStore:
         self.truths = SqlTruths(connect)
         self.trials = SqlTrials(connect)
         self.trash = SqlTrash(connect, files, viewer)
+        self.projects = SqlProjects(connect, files)
 
     def _shelf(self, kind: str) -> SqlShelf[Any]:
         return SqlShelf(kind, CODECS[kind], self._connect, self._files, self._viewer)

@@ -225,6 +225,9 @@ ROWS: dict[str, Row] = {
     "get_diagnosis_report": owned(id="diagnosis"),
     "describe_diagnosis": owned(id="diagnosis", body=of(name="new")),
     "delete_diagnosis": removal("diagnoses"),
+    # everybody's own; refused for its file, not for who sends it
+    "export_project": anyone(),
+    "import_project": anyone(422, form=lambda _: {"files": {"file": ("project.zip", b"")}}),
     # the trash
     "list_trash": anyone(),
     "restore_from_trash": owned(id=discarded),

@@ -80,6 +80,7 @@ BEYOND_A_SCHEMA = {
     ("/v1/structures/import", "mesh"),
     ("/v1/structures/import", "damping"),
     ("/v1/measurements/import", "file"),
+    ("/v1/projects/import", "file"),
     *(
         ("/v1/measurements/import", field)  # grammars of their own, and JSON within a form
         for field in ("unit", "scale", "map", "outputs", "inputs", "columns", "variables")

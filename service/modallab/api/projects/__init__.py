@@ -1,0 +1,1 @@
+"""Projects: all things of an owner as one file."""

@@ -1,0 +1,80 @@
+"""What of an owner can be stored elsewhere, in an order in which it can be made again."""
+
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import AbstractContextManager
+from dataclasses import fields
+
+import sqlalchemy as sa
+
+from modallab.core.errors import InvalidInputError
+from modallab.store.arrays import ArrayFiles
+from modallab.store.base import Entry
+from modallab.store.movable import Movable, StoredParts
+from modallab.store.tables import THINGS, TRIALS
+
+Connect = Callable[[], AbstractContextManager[sa.Connection]]
+_ENTRY = [THINGS.c[field.name] for field in fields(Entry)]
+
+
+class SqlProjects:
+    """What an owner has, as it lies in the store; truths lie elsewhere."""
+
+    def __init__(self, connect: Connect, files: ArrayFiles) -> None:
+        self._connect, self._files = connect, files
+
+    def movable(self, *, owner: str, label: str | None = None) -> Movable:
+        """Return what of an owner's can be stored elsewhere, each after what it was made from.
+
+        What was made from things of others, or from a measurement of an assignment, needs what does not go.
+
+        Parameters
+        ----------
+        label
+            Of what is wanted; what that was made from goes too. None: everything is wanted.
+        """
+        query = sa.select(*_ENTRY).where(THINGS.c.owner == owner, THINGS.c.removed.is_(None))
+        sealed_query = sa.select(TRIALS.c.measurement_id).where(TRIALS.c.student == owner)
+        with self._connect() as connection:
+            rows = connection.execute(query.order_by(THINGS.c.created, THINGS.c.id)).all()
+            sealed = set(connection.execute(sealed_query).scalars())
+        owned = {row.id: Entry(**row._mapping) for row in rows}
+        chosen = [entry for entry in owned.values() if label is None or label in entry.labels]
+        wanted = _with_origins(chosen, owned)
+        movable = _in_order([entry for id, entry in owned.items() if id in wanted and id not in sealed])
+        ids = {entry.id for entry in movable}
+        return Movable(tuple(movable), tuple(id for id in owned if id in wanted - ids))
+
+    def parts(self, id: str) -> StoredParts:
+        """Return a thing as it lies in the store."""
+        columns = (THINGS.c.body, THINGS.c.request, THINGS.c.arrays_hash)
+        query = sa.select(*columns).where(THINGS.c.id == id, THINGS.c.removed.is_(None))
+        with self._connect() as connection:
+            row = connection.execute(query).first()
+        if row is None:
+            raise InvalidInputError(f"{id!r} was removed while it was written: try again", value=id)
+        return StoredParts(
+            row.body, row.request, self._files.get(id, row.arrays_hash) if row.arrays_hash else b""
+        )
+
+
+def _with_origins(chosen: Iterable[Entry], owned: Mapping[str, Entry]) -> set[str]:
+    """Return the ids of entries and of all that they were made from, as far as it is the owner's."""
+    waiting, ids = list(chosen), set[str]()
+    while waiting:
+        entry = waiting.pop()
+        if entry.id not in ids:
+            ids.add(entry.id)
+            waiting += [owned[origin] for origin in entry.inputs.values() if origin in owned]
+    return ids
+
+
+def _in_order(entries: Iterable[Entry]) -> list[Entry]:
+    """Return the entries each after those that it was made from, without those that lack one of these."""
+    ordered, ids, waiting = list[Entry](), set[str](), list(entries)
+    while True:
+        ready = [entry for entry in waiting if ids.issuperset(entry.inputs.values())]
+        if not ready:
+            return ordered
+        ordered += ready
+        ids |= {entry.id for entry in ready}
+        waiting = [entry for entry in waiting if entry.id not in ids]
