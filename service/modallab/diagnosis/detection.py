@@ -136,18 +136,18 @@ class _Visibility:
         if size == 0:
             return None
         small = with_amount_scaled(effect, min(1.0, DIAGNOSIS.detection_step / size))
-        first_order, near = self._grown(small), self._grown(effect)
+        first_order, near = self._at_limit(small), self._at_limit(effect)
         for _ in range(DIAGNOSIS.detection_evaluations - 1):
-            near = None if near is None else self._grown(near)
+            near = None if near is None else self._at_limit(near)
         if first_order is None or near is None:
             return None
         return max(first_order, near, key=_deviation)
 
-    def _grown(self, effect: Effect) -> Effect | None:
+    def _at_limit(self, effect: Effect) -> Effect | None:
         """Return an effect with the amount at which it would be visible; None if it has no such amount."""
         factor = self._factor(effect)
-        grown = with_amount_scaled(effect, factor) if np.isfinite(factor) else None
-        return None if grown is None or _is_on_bound(grown) else grown
+        enlarged = with_amount_scaled(effect, factor) if np.isfinite(factor) else None
+        return None if enlarged is None or _is_on_bound(enlarged) else enlarged
 
     def _factor(self, effect: Effect) -> float:
         """Return the factor by which an amount has to grow to be detected; inf if it changes nothing."""

@@ -254,7 +254,7 @@ class DurableRunner:
         """Queue a task and return its job."""
         job = self._book.open(task, arguments, owner=owner, lane=lane, request=request)
         # An id that is queued already is queued once.
-        self._told(lambda engine: engine.enqueue(job))
+        self._inform_engine(lambda engine: engine.enqueue(job))
         _log.info("job queued", job=job.id, task=task)
         return job
 
@@ -286,10 +286,10 @@ class DurableRunner:
         """Stop a job and return it; a job that has ended stays as it is."""
         job = self._book.get(job_id, viewer=viewer)
         if self._book.cancel(job.id):
-            self._told(lambda engine: engine.stop(job.id))
+            self._inform_engine(lambda engine: engine.stop(job.id))
         return self._book.get(job.id)
 
-    def _told(self, tell: Callable[[DbosEngine], None]) -> None:
+    def _inform_engine(self, tell: Callable[[DbosEngine], None]) -> None:
         """Tell the engine what the book says; where its database is just away a reconciler does later."""
         assert self._client is not None
         try:

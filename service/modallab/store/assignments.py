@@ -17,7 +17,7 @@ from modallab.store.keys import now
 from modallab.store.plain import from_plain, to_plain
 from modallab.store.rows import insert_once, new_id
 from modallab.store.tables import ASSIGNMENTS, SHARES, SUBMISSIONS, TRIALS
-from modallab.store.uses import held
+from modallab.store.uses import lock_untrashed
 from modallab.store.viewer import Viewer, manageable
 
 _COLUMNS = [
@@ -88,7 +88,7 @@ class AssignmentBook:
         with self._engine.begin() as connection:
             connection.execute(ASSIGNMENTS.insert().values(**row))
             insert_once(connection, SHARES, {"class_id": class_id, "thing_id": structure_id})
-            if not held(connection, [structure_id]):
+            if not lock_untrashed(connection, [structure_id]):
                 raise NotFoundError(
                     "the structure is no longer stored", field="structure", value=structure_id
                 )

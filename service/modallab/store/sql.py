@@ -19,10 +19,10 @@ from modallab.store.npz import pack, unpack
 from modallab.store.projects import SqlProjects
 from modallab.store.rows import insert_once, new_id
 from modallab.store.tables import LINKS, THINGS
-from modallab.store.trash import SqlTrash, absence, discard, revive
+from modallab.store.trash import SqlTrash, absence, discard, take_out
 from modallab.store.trials import SqlTrials
 from modallab.store.truths import SqlTruths
-from modallab.store.uses import held
+from modallab.store.uses import lock_untrashed
 from modallab.store.viewer import EVERYONE, UNPUBLISHED, Viewer, manageable, readable
 from modallab.store.weights import weight_of
 
@@ -83,11 +83,11 @@ class SqlShelf(Generic[T]):
                 for target in sorted(set(row["inputs"].values())):
                     connection.execute(LINKS.insert().values(source=own_id, target=target))
             else:
-                revive(connection, self._kind, own_id, owner)
+                take_out(connection, self._kind, own_id, owner)
         return own_id
 
     def _check_origins(self, connection: sa.Connection, ids: set[str]) -> None:
-        if not held(connection, ids):
+        if not lock_untrashed(connection, ids):
             raise NotFoundError(
                 f"what the {self._kind} was made from is no longer stored", value=", ".join(sorted(ids))
             )

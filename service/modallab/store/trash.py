@@ -14,7 +14,7 @@ from modallab.core.settings import Settings, setting
 from modallab.store.arrays import ArrayFiles
 from modallab.store.base import Discarded, Entry, InTrashError, InUseError
 from modallab.store.tables import LINKS, THINGS, TRUTHS
-from modallab.store.uses import held, is_used, users
+from modallab.store.uses import is_used, lock_untrashed, users
 from modallab.store.viewer import Viewer, manageable
 
 Connect = Callable[[], AbstractContextManager[sa.Connection]]
@@ -83,7 +83,7 @@ def absence(connection: sa.Connection, kind: str, id: str, viewer: Viewer) -> No
     )
 
 
-def revive(connection: sa.Connection, kind: str, id: str, owner: str) -> None:
+def take_out(connection: sa.Connection, kind: str, id: str, owner: str) -> None:
     """Take a thing out of the trash that its owner makes anew under the same id."""
     condition = (THINGS.c.id == id) & (THINGS.c.kind == kind) & (THINGS.c.owner == owner)
     connection.execute(THINGS.update().where(condition).values(removed=None))
@@ -126,7 +126,7 @@ class SqlTrash:
             row = connection.execute(change.returning(*_ENTRY)).first()
             if row is None:
                 raise self._absence(id)
-            if not held(connection, set(connection.execute(made_from.union(tested)).scalars())):
+            if not lock_untrashed(connection, set(connection.execute(made_from.union(tested)).scalars())):
                 raise InTrashError(
                     "what it was made from is in the trash, too",
                     field="id",

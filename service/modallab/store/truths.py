@@ -10,7 +10,7 @@ from modallab.store.base import Truth
 from modallab.store.plain import from_plain, to_plain
 from modallab.store.rows import insert_once
 from modallab.store.tables import TRUTHS
-from modallab.store.uses import held
+from modallab.store.uses import lock_untrashed
 
 Connect = Callable[[], AbstractContextManager[sa.Connection]]
 
@@ -26,7 +26,7 @@ class SqlTruths:
         row = {"measurement_id": measurement_id, "structure_id": truth.structure_id, "owner": owner}
         with self._connect() as connection:
             insert_once(connection, TRUTHS, row | {"body": to_plain(truth)[0]})
-            if not held(connection, [truth.structure_id]):
+            if not lock_untrashed(connection, [truth.structure_id]):
                 raise NotFoundError("the structure that was tested is no longer stored", field="structure_id")
 
     def get(self, measurement_id: str, *, owner: str) -> Truth:

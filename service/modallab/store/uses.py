@@ -30,8 +30,8 @@ def is_used(id: str) -> sa.ColumnElement[bool]:
     return sa.or_(*conditions)
 
 
-def held(connection: sa.Connection, ids: Collection[str]) -> bool:
-    """Keep things out of the trash until the transaction ends, and tell whether all are there.
+def lock_untrashed(connection: sa.Connection, ids: Collection[str]) -> bool:
+    """Lock things until the transaction ends, and return whether none of them is in the trash.
 
     A thing that goes to the trash at this moment is waited for.
     """

@@ -12,7 +12,7 @@ from modallab.store.place import StorePlace, engine_of, open_store
 from modallab.store.sql import SqlStore
 from modallab.store.tables import THINGS
 from modallab.store.trash import empty_trash, expired_before
-from modallab.store.uses import held
+from modallab.store.uses import lock_untrashed
 from modallab.store.viewer import Viewer, Visibility
 from tests.service.store.test_sql import BEAM, RIG, measurement
 
@@ -158,7 +158,7 @@ def test_who_deletes_waits_for_who_is_about_to_use(store: SqlStore, place: Store
     thread.join()
     assert refused == [base]
     with engine_of(place).begin() as connection:
-        assert held(connection, [base])
+        assert lock_untrashed(connection, [base])
 
 
 def test_what_is_made_anew_under_the_same_id_is_there_again(store: SqlStore) -> None:

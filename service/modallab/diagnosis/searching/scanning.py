@@ -45,9 +45,9 @@ def scan(
     start = prediction.project_out(unmodified, 0.0)
     candidates: list[list[Effect]] = []
     costs: list[FloatArray] = []
-    for kind, places in _side_by_side(listed):
+    for kind, places in _by_kind(listed):
         progress(0.5 + 0.5 * len(candidates) / len(listed), f"scanning {kind}")
-        for values, place_costs in _scanned(prediction, places, start, cost):
+        for values, place_costs in _costs_at_places(prediction, places, start, cost):
             candidates.append(values)
             costs.append(place_costs)
     chosen: dict[tuple[int, int], StartingPoint] = {}
@@ -112,7 +112,7 @@ def _vector(prediction: CoarsePrediction, effects: Sequence[Effect]) -> FloatArr
     return residual(observed, prediction.predict(effects)).vector(observed.fitted)
 
 
-def _side_by_side(listed: Sequence[list[Effect]]) -> Iterator[tuple[str, list[list[Effect]]]]:
+def _by_kind(listed: Sequence[list[Effect]]) -> Iterator[tuple[str, list[list[Effect]]]]:
     """Yield the kinds with their places: those of single channels together, each other place alone."""
     of_channels: dict[str, list[list[Effect]]] = {}
     for sizes in listed:
@@ -123,7 +123,7 @@ def _side_by_side(listed: Sequence[list[Effect]]) -> Iterator[tuple[str, list[li
     yield from of_channels.items()
 
 
-def _scanned(
+def _costs_at_places(
     prediction: CoarsePrediction, places: Sequence[list[Effect]], start: FloatArray, cost: RobustCost
 ) -> list[tuple[list[Effect], FloatArray]]:
     """Return the values of an effect at each place with their costs, (n_values, n_inflations).
