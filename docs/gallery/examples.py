@@ -201,6 +201,12 @@ TRANSDUCERS = {
         panels=("magnitude", "ratio"),
         shows="10 % or 0.83 dB too high at every line; frequencies and damping do not change.",
     ),
+    "integrated_response": Example(
+        at={"channels": ["7:+Y"]},
+        panels=("magnitude", "turn"),
+        shows="Velocity in place of acceleration: the magnitude falls by 20 dB a decade, and every line lags"
+        " by 90 degrees.",
+    ),
     "polarity": Example(
         at={"channels": ["7:+Y"]},
         panels=("magnitude", "phase"),

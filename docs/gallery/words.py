@@ -77,6 +77,8 @@ SIMILAR_EFFECTS: Mapping[str, str] = {
     "gain error of the force transducer does. No other FRF confirms the gain error of a single response.",
     "ground_spring": "`stiffness_error` does not affect rigid-body motion; a spring to the ground raises "
     "the frequencies of rigid-body modes above 0 Hz. `suspension` does the same, and also adds damping.",
+    "integrated_response": "`ac_coupling` differentiates below its corner only. `gain_error` is the "
+    "same at every line, `polarity` a turn of 180 degrees; an integration is one of 90 degrees, and a slope.",
     "joint_flexibility": "`stiffness_error` of a member beside the joint is similar in low modes. A joint "
     "does not change modes without bending there.",
     "leakage": "`response_noise` lowers the coherence wherever the response is small; leakage lowers it at "

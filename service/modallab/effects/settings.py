@@ -224,6 +224,36 @@ class SuspensionPlaces(Settings):
     )
 
 
+@dataclass(frozen=True)
+class IntegrationScan(Settings):
+    """Scan and suspicion of an integrated response."""
+
+    integrations: tuple[float, ...] = setting(
+        (-2.0, -1.0, 1.0, 2.0),
+        unit="1",
+        doc="trial numbers of integrations",
+        derived="between acceleration, velocity and displacement",
+    )
+    factors: tuple[float, ...] = setting(
+        (1.0, 10.0, 40.0, 1e3, 1e4, 1e6),
+        unit="1",
+        doc="trial factors of units",
+        derived="none; g; inches; mm; mm in place of g; micrometres; between them the logarithm is fitted",
+    )
+    nearness: float = setting(
+        0.5,
+        unit="1",
+        doc="difference of logarithms of FRFs below which they are alike",
+        derived="that of FRFs of shifted resonances is less, except at resonances and antiresonances",
+    )
+    least_share: float = setting(
+        0.5, unit="1", doc="share of lines up to which an integration is excluded", derived="half of them"
+    )
+    least_lines: int = setting(
+        8, unit="lines", doc="lines without which a response says nothing", derived="of fewer, half is chance"
+    )
+
+
 OSCILLATOR_SCAN = OscillatorScan()
 STINGER_SCAN = StingerScan()
 MOUNTING_SCAN = MountingScan()
@@ -237,3 +267,4 @@ FRICTION_SCAN = FrictionScan()
 ARMATURE_SCAN = ArmatureScan()
 DOUBLE_HIT_SCAN = DoubleHitScan()
 SUSPENSION = SuspensionPlaces()
+INTEGRATION = IntegrationScan()
