@@ -1,28 +1,16 @@
 """Dynamic system: matrices of a structure with attached masses, springs, dampers and member changes."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import partial
 
 import numpy as np
 from scipy.sparse import csc_array
 
-from modallab.core.arrays import ComplexArray, FloatArray
-from modallab.core.dof import Dof
+from modallab.core.arrays import FloatArray
 from modallab.core.errors import InvalidInputError
 from modallab.fe.alteration import Alteration
-from modallab.fe.attachment import (
-    MATRIX_NAMES,
-    Attachment,
-    attached_stiffness,
-    damper,
-    oscillator,
-    point_mass,
-    spring,
-    stacked_columns,
-    with_attachments,
-    with_internal_motions,
-)
+from modallab.fe.attached_system import AttachedSystem
+from modallab.fe.attachment import MATRIX_NAMES, Attachment, with_attachments, with_internal_motions
 from modallab.fe.cache import CacheSlot
 from modallab.fe.damping import ViscousDamping
 from modallab.fe.loaded_modes import half_power, loaded_modes, only_loads
@@ -31,69 +19,20 @@ from modallab.fe.modal_damping import ModalLossFactors
 from modallab.fe.modes import ModalBasis
 from modallab.fe.rebuilding import grounded, rebuilt
 from modallab.fe.settings import CACHE, EIGENSOLUTION
-from modallab.fe.system_matrices import SystemMatrices
 
-ATTACHMENTS: CacheSlot[Attachment] = CacheSlot("attachments", CACHE.attachments)
 VARIANTS: "CacheSlot[DynamicSystem]" = CacheSlot("variants", CACHE.variants)
 MEMBER_FACTORS: "CacheSlot[DynamicSystem]" = CacheSlot("member factors", CACHE.member_factors)
 
 
 @dataclass(frozen=True, eq=False)
-class DynamicSystem(SystemMatrices):
+class DynamicSystem(AttachedSystem):
     """Mass, stiffness and damping of a structure with its DoFs, and its attachments.
 
     The matrices are never changed: masses, springs and corrected members are attachments, so that
     modes are solved for once and every loaded variant follows by the Woodbury identity.
     """
 
-    attachments: tuple[Attachment, ...] = ()
     alterations: Mapping[int, tuple[Alteration, Attachment]] = field(default_factory=dict)  # by member
-
-    def attach(self, attachment: Attachment) -> "DynamicSystem":
-        """Return the system with one more attachment."""
-        return replace(self, attachments=(*self.attachments, attachment))
-
-    def add_mass(self, node: int, mass: float) -> "DynamicSystem":
-        """Return the system with a mass, kg, that moves with every translation of a node."""
-        return self.add_masses((node,), mass)
-
-    def add_masses(self, nodes: Sequence[int], mass: float) -> "DynamicSystem":
-        """Return the system with the same mass, kg, at each of some nodes."""
-        masses = [self._cached_attachment((node, mass), partial(self._mass, node, mass)) for node in nodes]
-        return replace(self, attachments=(*self.attachments, *masses))
-
-    def _cached_attachment(self, key: tuple[object, ...], make: Callable[[], Attachment]) -> Attachment:
-        """Return the cached attachment of a key, or make it: every run of a test attaches the same ones."""
-        capacity = min(CACHE.attachments, 1 + CACHE.attachment_rows // len(self.dofs))
-        return self.cache.compute(ATTACHMENTS, key, make, capacity=capacity)
-
-    def _mass(self, node: int, mass: float) -> Attachment:
-        return point_mass(self.selection(self.translations(node)), mass)
-
-    def add_spring(self, dof: Dof, stiffness: float) -> "DynamicSystem":
-        """Return the system with a spring, N/m (N m for a rotation), from a DoF to the ground."""
-        return self._attach_at(dof, spring, stiffness)
-
-    def add_damper(self, dof: Dof, viscous: float) -> "DynamicSystem":
-        """Return the system with a viscous damper, N s/m (N m s for a rotation), from a DoF to the ground."""
-        return self._attach_at(dof, damper, viscous)
-
-    def add_oscillator(self, dof: Dof, mass: float, frequency: float, loss_factor: float) -> "DynamicSystem":
-        """Return the system with a mass, kg, on a damped spring attached to a DoF.
-
-        Parameters
-        ----------
-        frequency
-            Hz, of the mass on its spring when the DoF is fixed.
-        loss_factor
-            Of the spring.
-        """
-        return self._attach_at(dof, oscillator, mass, frequency, loss_factor)
-
-    def _attach_at(self, dof: Dof, make: Callable[..., Attachment], *numbers: float) -> "DynamicSystem":
-        """Return the system with an attachment at a DoF, made from the DoF's column and some numbers."""
-        key = (make, dof, numbers)
-        return self.attach(self._cached_attachment(key, lambda: make(self.selection((dof,)), *numbers)))
 
     def change_member(
         self, number: int, *, mass: float = 0.0, axial: float = 0.0, bending: float = 0.0
@@ -262,15 +201,6 @@ class DynamicSystem(SystemMatrices):
         """All attachments, modal damping among them as the last one."""
         damping = self.modal_damping
         return self.attachments if damping is None else (*self.attachments, damping)
-
-    @property
-    def stacked_columns(self) -> FloatArray:
-        """(n, R): the columns of all attachments side by side."""
-        return stacked_columns(len(self.dofs), self.attachments)
-
-    def attached_stiffness(self, omega: FloatArray) -> ComplexArray:
-        """Return the dynamic stiffness of all attachments, (n_freq, R, R), block by block."""
-        return attached_stiffness(self.attachments, omega)
 
     def first_modes(self, count: int) -> ModalBasis:
         """Return modes of the system with its attachments: `count` elastic ones or more, or all."""
