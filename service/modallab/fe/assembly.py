@@ -12,6 +12,7 @@ from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.dof import Dof
 from modallab.core.numerics import COMPARISON_ROUNDING
 from modallab.fe.damping import ModalDamping, StructuralDamping
+from modallab.fe.held_dofs import HeldDofs
 from modallab.fe.joint_rotations import JointRotations
 from modallab.fe.losses import Losses
 from modallab.fe.member_matrices import bar_of, member_matrices
@@ -195,6 +196,7 @@ class Assembly:
             losses=losses,
             law=law,
             shear=self._shear(factors),
+            held=HeldDofs.of(self.structure, self.rows.shape[1]),
         )
         return DynamicSystem(
             mass=self.matrix(mass, self._point_masses),

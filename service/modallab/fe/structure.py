@@ -197,6 +197,15 @@ class Structure:
         return tuple(Dof(n, d) for n in self.nodes for d in self.directions if (n, d) not in fixed)
 
     @cached_property
+    def held_dofs(self) -> tuple[Dof, ...]:
+        """Degrees of freedom that the supports hold, in the order of the supports."""
+        held = [Dof(s.node, d) for s in self.supports for d in s.directions]
+        possible = (
+            set(self.blocks.dofs) if self.blocks else {Dof(n, d) for n in self.nodes for d in self.directions}
+        )
+        return tuple(dof for dof in dict.fromkeys(held) if dof in possible)
+
+    @cached_property
     def _index(self) -> dict[Dof, int]:
         return {dof: i for i, dof in enumerate(self.dofs)}
 

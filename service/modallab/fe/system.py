@@ -2,17 +2,20 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csc_array
 
 from modallab.core.arrays import FloatArray
-from modallab.core.errors import InvalidInputError
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError, UnknownDofError
 from modallab.fe.alteration import Alteration
 from modallab.fe.attached_system import AttachedSystem
 from modallab.fe.attachment import MATRIX_NAMES, Attachment, with_attachments, with_internal_motions
 from modallab.fe.cache import CacheSlot
 from modallab.fe.damping import ViscousDamping
+from modallab.fe.elastic_supports import support_springs
 from modallab.fe.loaded_modes import half_power, loaded_modes, only_loads
 from modallab.fe.member_table import MemberTable
 from modallab.fe.modal_damping import ModalLossFactors
@@ -22,6 +25,8 @@ from modallab.fe.settings import CACHE, EIGENSOLUTION
 
 VARIANTS: "CacheSlot[DynamicSystem]" = CacheSlot("variants", CACHE.variants)
 MEMBER_FACTORS: "CacheSlot[DynamicSystem]" = CacheSlot("member factors", CACHE.member_factors)
+
+_UNCHANGED: Mapping[str, Any] = {"alterations": {}, "supports": {}, "support_springs": None}
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +38,8 @@ class DynamicSystem(AttachedSystem):
     """
 
     alterations: Mapping[int, tuple[Alteration, Attachment]] = field(default_factory=dict)  # by member
+    supports: Mapping[Dof, float] = field(default_factory=dict)  # m/N or rad/(N m), of those not rigid
+    support_springs: Attachment | None = None  # of all elastic supports and the members there
 
     def change_member(
         self, number: int, *, mass: float = 0.0, axial: float = 0.0, bending: float = 0.0
@@ -65,12 +72,47 @@ class DynamicSystem(AttachedSystem):
         previous, previous_attachment = self.alterations.get(number, (Alteration(), None))
         combined = previous.combined_with(alteration)
         table, n = self._member_table, len(self.dofs)
+        if self.supports and table.held.members_at(self.supports)[table.position(number)]:
+            return self._supported(self.supports, {number: combined})
         attachment = self._cached_attachment((number, combined), lambda: table.altered(number, combined, n))
         attachments = tuple(a for a in self.attachments if a is not previous_attachment)
         return replace(
             self,
             attachments=(*attachments, attachment),
             alterations={**self.alterations, number: (combined, attachment)},
+        )
+
+    def soften_support(self, dof: Dof, flexibility: float) -> "DynamicSystem":
+        """Return the system with a spring, m/N (rad/(N m) of a rotation), between a held DoF and the ground.
+
+        Raises
+        ------
+        UnknownDofError
+            If no support holds the DoF.
+        """
+        held, point = self._member_table.held.dofs, dof.point
+        if point not in held:
+            raise UnknownDofError(
+                f"no support holds {dof}", field="at", value=str(dof), allowed=[str(each) for each in held]
+            )
+        return self._supported({**self.supports, point: self.supports.get(point, 0.0) + flexibility}, {})
+
+    def _supported(self, supports: Mapping[Dof, float], altered: Mapping[int, Alteration]) -> "DynamicSystem":
+        """Return the system on elastic supports, whose attachment includes alterations of members there."""
+        table, n = self._member_table, len(self.dofs)
+        at_supports = table.held.members_at(supports)
+        previous = {k: own for k, own in self.alterations.items() if at_supports[table.position(k)]}
+        alterations = {**{number: alteration for number, (alteration, _) in previous.items()}, **altered}
+        key = ("supports", tuple(supports.items()), tuple(alterations.items()))
+        springs = self._cached_attachment(key, lambda: support_springs(table, supports, alterations, n))
+        replaced = [self.support_springs, *(attachment for _, attachment in previous.values())]
+        attachments = tuple(a for a in self.attachments if not any(a is b for b in replaced))
+        return replace(
+            self,
+            attachments=(*attachments, springs),
+            alterations={**self.alterations, **{k: (a, springs) for k, a in alterations.items()}},
+            supports=supports,
+            support_springs=springs,
         )
 
     @property
@@ -164,7 +206,7 @@ class DynamicSystem(AttachedSystem):
         def make() -> DynamicSystem:
             table = members()
             matrices = rebuilt(self._matrices, len(self.dofs), self._member_table, table)
-            bare = replace(self, attachments=(), alterations={})
+            bare = replace(self, attachments=(), **_UNCHANGED)
             return DynamicSystem(
                 **matrices,  # type: ignore[arg-type]
                 dofs=self.dofs,
@@ -174,13 +216,13 @@ class DynamicSystem(AttachedSystem):
                 eigenvalue_reference=None if eigenvalue_ratio is None else (bare, eigenvalue_ratio),
             )
 
-        of_members = [attachment for _, attachment in self.alterations.values()]
+        of_members = [self.support_springs, *(attachment for _, attachment in self.alterations.values())]
         attachments = tuple(a for a in self.attachments if not any(a is b for b in of_members))
         variant = self.cache.compute(slot, key, make)
-        system = replace(variant, attachments=attachments, alterations={})
+        system = replace(variant, attachments=attachments, **_UNCHANGED)
         for number, (alteration, _) in self.alterations.items():
             system = system.alter(number, alteration)
-        return system
+        return system._supported(self.supports, {}) if self.supports else system
 
     @property
     def _matrices(self) -> dict[str, csc_array | None]:
