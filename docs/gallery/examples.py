@@ -62,6 +62,24 @@ STRUCTURE = {
         shows="A spring restrains the rotation of the driven end: the rigid-body rotation becomes a"
         " resonance, and low frequencies rise.",
     ),
+    "elastic_support": Example(
+        structure="clamped beam",
+        rig=TIP,
+        at="1:+Y",
+        parameters={"flexibility": 2e-6},
+        band=(0.0, 250.0),
+        shows="The clamp yields along Y by 2 micrometres per newton: high frequencies fall most, as the"
+        " reaction of a mode grows with its frequency.",
+    ),
+    "rotational_elastic_support": Example(
+        structure="clamped beam",
+        rig=TIP,
+        at="1:+RZ",
+        parameters={"flexibility": 3e-4},
+        band=(0.0, 250.0),
+        shows="The clamp turns by 0.3 mrad per newton metre: all frequencies fall, the lowest by the largest"
+        " share.",
+    ),
     "joint_flexibility": Example(
         at="8:+RZ",
         band=MODES,

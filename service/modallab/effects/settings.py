@@ -124,6 +124,34 @@ class JointScan(Settings):
 
 
 @dataclass(frozen=True)
+class SupportScan(Settings):
+    """Scan of the flexibility of a support."""
+
+    decades_along: tuple[float, float] = setting(
+        (-2.0, 5.0),
+        unit="1",
+        doc="decimal logarithms of the flexibility over that of the members there, along a direction",
+        derived="from a hundredth of a member's to that of a bar of fifty members, which goes with the cube",
+    )
+    decades_about: tuple[float, float] = setting(
+        (-2.0, 3.0),
+        unit="1",
+        doc="the same about an axis",
+        derived="to that of a bar of several hundred members, which goes with the length",
+    )
+
+    @property
+    def along(self) -> FloatArray:
+        """(n,) trial flexibilities over that of the members, two a decade."""
+        return np.logspace(*self.decades_along, 15)
+
+    @property
+    def about(self) -> FloatArray:
+        """(n,) the same about an axis."""
+        return np.logspace(*self.decades_about, 11)
+
+
+@dataclass(frozen=True)
 class MixUpSettings(Settings):
     """Accelerometers at another place than the log book says."""
 
@@ -260,6 +288,7 @@ MOUNTING_SCAN = MountingScan()
 CABLE_SCAN = CableScan()
 MOUNTING = MountingSettings()
 JOINT_SCAN = JointScan()
+SUPPORT_SCAN = SupportScan()
 MIX_UP = MixUpSettings()
 MAINS = MainsSettings()
 OVERLOAD = OverloadSettings()

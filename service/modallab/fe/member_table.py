@@ -7,6 +7,7 @@ import numpy as np
 from scipy.sparse import coo_array, csc_array
 
 from modallab.core.arrays import BoolArray, FloatArray, IntArray
+from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.fe.alteration import ROTATION_ROWS, Alteration, JointedMember, orthonormal_span, with_joints
 from modallab.fe.attachment import MATRIX_NAMES, Attachment
@@ -114,6 +115,21 @@ class MemberTable:
             losses.mass[e] * mass + losses.stiffness[e] * stiffness,
             losses.viscous_mass[e] * mass + losses.viscous_stiffness[e] * stiffness,
         )
+
+    @property
+    def loaded_held_dofs(self) -> tuple[Dof, ...]:
+        """Held DoFs that members couple to free ones."""
+        loaded = np.zeros(len(self.held.dofs), bool)
+        for e in np.flatnonzero((self.held.rows >= 0).any(axis=1)):
+            held, free = self.held.rows[e] >= 0, self.rows[e] >= 0
+            part = np.abs(self.mass[e]) + np.abs(self.axial[e]) + np.abs(self.bending[e])
+            loaded[self.held.rows[e][held]] |= part[np.ix_(held, free)].any(axis=1)
+        return tuple(dof for dof, is_loaded in zip(self.held.dofs, loaded, strict=True) if is_loaded)
+
+    def held_stiffness(self, dof: Dof) -> float:
+        """Return the stiffness, N/m (N m/rad of a rotation), of all members at a held DoF."""
+        e, row = np.nonzero(self.held.rows == self.held.dofs.index(dof.point))
+        return float((self.axial[e, row, row] + self.bending[e, row, row]).sum())
 
     @property
     def loss_factor(self) -> FloatArray:

@@ -97,6 +97,15 @@ class DynamicSystem(AttachedSystem):
             )
         return self._supported({**self.supports, point: self.supports.get(point, 0.0) + flexibility}, {})
 
+    @property
+    def loaded_supports(self) -> tuple[Dof, ...]:
+        """Held DoFs that members couple to free ones: those that react to a motion."""
+        return () if self.members is None else self.members.loaded_held_dofs
+
+    def stiffness_at_support(self, dof: Dof) -> float:
+        """Return the stiffness, N/m (N m/rad of a rotation), of the members at a held DoF, all else held."""
+        return self._member_table.held_stiffness(dof)
+
     def _supported(self, supports: Mapping[Dof, float], altered: Mapping[int, Alteration]) -> "DynamicSystem":
         """Return the system on elastic supports, whose attachment includes alterations of members there."""
         table, n = self._member_table, len(self.dofs)

@@ -36,7 +36,8 @@ PLATE = plate(
     material=Material(2e11, 7800.0),
     damping=StructuralDamping(0.01),
 )
-CASES = {
+Held = dict[int, tuple[str, ...]]
+CASES: dict[str, tuple[Structure, Held, dict[str, float]]] = {
     "clamped end": (BEAM, {1: ("Y", "RZ")}, {"1:+RZ": 1e-4}),
     "clamped end, along and about": (BEAM, {1: ("Y", "RZ")}, {"1:+RZ": 1e-4, "1:+Y": 1e-6}),
     "support at mid-span": (BEAM, {1: ("Y", "RZ"), 5: ("Y",)}, {"5:+Y": 3e-6}),
@@ -53,9 +54,7 @@ def softened(system: DynamicSystem, flexibilities: dict[str, float]) -> DynamicS
     return system
 
 
-def sprung(
-    free: Structure, held: dict[int, tuple[str, ...]], flexibilities: dict[str, float]
-) -> DynamicSystem:
+def sprung(free: Structure, held: Held, flexibilities: dict[str, float]) -> DynamicSystem:
     """The same structure without those supports, and springs to the ground in their place."""
     soft = {Dof.parse(at) for at in flexibilities}
     directions = {node: tuple(d for d in names if Dof(node, d) not in soft) for node, names in held.items()}
