@@ -199,11 +199,11 @@ class Structure:
     @cached_property
     def held_dofs(self) -> tuple[Dof, ...]:
         """Degrees of freedom that the supports hold, in the order of the supports."""
-        held = [Dof(s.node, d) for s in self.supports for d in s.directions]
-        possible = (
-            set(self.blocks.dofs) if self.blocks else {Dof(n, d) for n in self.nodes for d in self.directions}
-        )
-        return tuple(dof for dof in dict.fromkeys(held) if dof in possible)
+        held = dict.fromkeys(Dof(s.node, d) for s in self.supports for d in s.directions)
+        if self.blocks and held:
+            possible = set(self.blocks.dofs)
+            return tuple(dof for dof in held if dof in possible)
+        return tuple(dof for dof in held if dof.direction in self.directions)
 
     @cached_property
     def _index(self) -> dict[Dof, int]:
