@@ -41,6 +41,7 @@ trial: setup ## the blind trial of the diagnosis, for hours; may be cut and cont
 	$(BIN)/python -m benchmarks.blind_trial --set 3a --cases 156 --types single --seed 10001 --out $(TRIAL)/3a.jsonl --resume
 	$(BIN)/python -m benchmarks.blind_trial --set 3 --cases 156 --types pair nothing unknown log_book --seed 10001 \
 		--out $(TRIAL)/3.jsonl --resume
+	$(BIN)/python -m benchmarks.blind_trial --set 4 --cases 24 --seed 10001 --out $(TRIAL)/4.jsonl --resume
 	$(BIN)/python -m benchmarks.blind_trial --out $(TRIAL)/*.jsonl --report docs/trial.md
 
 docs: gallery validation site ## pictures of all effects, the validation report and the site

@@ -6,7 +6,8 @@ is such that the gap it opens is log-uniform from 2 to 10,000. The diagnosis is 
 measurement with its log book; the scorer alone knows the truth.
 
 Sets: 1 exact model, periodic random; 2 pure random through a Hann window; 3 with tolerances, all varied; 3a
-the same with up to two of the proposed tests done, scored before them as well. A case is the same whatever
+the same with up to two of the proposed tests done, scored before them as well; 4 single effects of kinds that
+joined the catalogue after these sets were drawn, as set 1. A case is the same whatever
 others are run with it: a trial may be cut and continued, and its cases run one by one.
 
     python -m benchmarks.blind_trial --set 1 --cases 416 --seed 1 --workers 2 --out set1.jsonl --resume
@@ -164,7 +165,7 @@ def main() -> None:
         return
     numbers = options.only if options.only is not None else range(options.cases)
     if options.types:
-        numbers = [number for number in numbers if type_of(number) in options.types]
+        numbers = [number for number in numbers if type_of(number, options.set) in options.types]
     if options.resume:
         finished = {(line["set"], line["seed"], line["number"]) for line in read(options.out)}
         numbers = [number for number in numbers if (options.set, options.seed, number) not in finished]

@@ -53,7 +53,9 @@ KINDS = (
     "overload",
     "double_hit",
 )
-SETS = ("1", "2", "3", "3a")
+# Kinds that joined the catalogue after sets 1 to 3 were drawn: they have a set of their own.
+LATER_KINDS = ("integrated_response", "elastic_support", "rotational_elastic_support")
+SETS = ("1", "2", "3", "3a", "4")
 NOISES = (1e-5, 1e-4, 1e-3)
 # After one single of each kind, a round goes on with these.
 OTHER_TYPES = ("pair",) * 6 + ("nothing",) * 4 + ("unknown",) * 4 + ("log_book",) * 2
@@ -123,13 +125,14 @@ def case(number: int, seed: int, set_name: str = "1") -> Case:
     which
         One of `SETS`; 3a has the cases of 3.
     """
-    of_set = {"1": 1, "2": 2, "3": 3, "3a": 3}[set_name]
+    of_set = {"1": 1, "2": 2, "3": 3, "3a": 3, "4": 4}[set_name]
     rng = np.random.default_rng(np.random.SeedSequence(entropy=(seed, of_set), spawn_key=(number,)))
-    noise, leaking = NOISES[(number + number // ROUND) % len(NOISES)], of_set == 2
+    kinds, length = (LATER_KINDS, len(LATER_KINDS)) if of_set == 4 else (KINDS, ROUND)
+    noise, leaking = NOISES[(number + number // length) % len(NOISES)], of_set == 2
     draw = _Draw(number, set_name, rng, noise, leaking, of_set == 3)
-    type_ = type_of(number)
+    type_ = type_of(number, set_name)
     if type_ == "single":
-        return draw.single(KINDS[number % ROUND])
+        return draw.single(kinds[number % length])
     return {
         "pair": draw.pair,
         "nothing": draw.without_effect,
@@ -138,8 +141,10 @@ def case(number: int, seed: int, set_name: str = "1") -> Case:
     }[type_]()
 
 
-def type_of(number: int) -> str:
+def type_of(number: int, set_name: str = "1") -> str:
     """Return of which type a case of this number is."""
+    if set_name == "4":
+        return "single"
     place = number % ROUND
     return "single" if place < len(KINDS) else OTHER_TYPES[place - len(KINDS)]
 

@@ -56,6 +56,7 @@ REACH = {
     "double_hit": Reach(1e-6, 0.9),
     "drift": Reach(1e-8, 0.1),
     "echo": Reach(1e-7, 0.5),
+    "elastic_support": Reach(1e-13, 1e-3),
     "exciter_armature": Reach(1e-7, 2.0),
     "extra_mass": Reach(1e-8, 2.0),
     "force_noise": Reach(1e-8, 1.0),
@@ -74,6 +75,7 @@ REACH = {
     "overload": Reach(8.0, 0.7),
     "quantisation": Reach(1e-6, 1.0),
     "response_noise": Reach(1e-9, 1.0),
+    "rotational_elastic_support": Reach(1e-12, 1.0),
     "rotational_ground_spring": Reach(1e-5, 1e5),
     "shear_and_rotary_inertia": Reach(1e-6, 3.0),
     "stiffness_error": Reach(1e-7, 3.0),
@@ -289,6 +291,10 @@ def _besides(kind: str, place: Place, bench: Bench, rng: np.random.Generator) ->
         "gain_bump": lambda: {
             "centre": float(rng.uniform(0.2, 0.8) * top),
             "width": between(0.03 * top, 0.15 * top),
+        },
+        "integrated_response": lambda: {
+            "integrations": float(rng.choice((-1.0, 1.0, 2.0))),
+            "factor": float(rng.choice((1.0, 1 / 9.81, 1e3))),
         },
         "mains_hum": lambda: {"frequency": float(rng.choice((50.0, 60.0)) + rng.normal(0.0, 0.02))},
         "mounted_resonance": lambda: {"loss": between(0.02, 0.3)},

@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.trial.cases import KINDS
+from benchmarks.trial.cases import KINDS, LATER_KINDS
 
 Line = dict[str, Any]
+ALL_KINDS = (*KINDS, *LATER_KINDS)
 BINS = 10
 CLOSED = 0.99
 SETS = {
@@ -16,6 +17,7 @@ SETS = {
     "2": "exact model, pure random through a Hann window",
     "3": "model and rig within tolerances, periodic random",
     "3a": "the same, with up to two proposed tests done",
+    "4": "exact model, periodic random, kinds that joined the catalogue later",
 }
 TYPES = {
     "single": "single effects, named first",
@@ -166,7 +168,7 @@ def _by_kind(lines: Sequence[Line]) -> list[str]:
         "| named instead |",
         "|---|---|---|---|---|---|",
     ]
-    for kind in KINDS:
+    for kind in ALL_KINDS:
         mine = [line for line in lines if line["type"] == "single" and line["truth"][0]["kind"] == kind]
         if not mine:
             continue
@@ -201,21 +203,23 @@ def _matrix(lines: Sequence[Line]) -> list[str]:
         for line in lines
         if line["type"] == "single"
     )
-    hidden = [kind for kind in KINDS if any(h == kind for h, _ in pairs)]
+    hidden = [kind for kind in ALL_KINDS if any(h == kind for h, _ in pairs)]
     if not hidden:
         return []
-    extra_kinds = sorted({columns for _, columns in pairs} - set(KINDS))
-    columns = [kind for kind in KINDS if any(n == kind for _, n in pairs)] + extra_kinds
+    extra_kinds = sorted({columns for _, columns in pairs} - set(ALL_KINDS))
+    columns = [kind for kind in ALL_KINDS if any(n == kind for _, n in pairs)] + extra_kinds
     rows = [
         "Confusion matrix. Rows: hidden effect. Columns: effect named first, by the number of its row or "
         "by name.",
         "",
-        "| | hidden | " + " | ".join(str(KINDS.index(n) + 1) if n in KINDS else n for n in columns) + " |",
+        "| | hidden | "
+        + " | ".join(str(ALL_KINDS.index(n) + 1) if n in ALL_KINDS else n for n in columns)
+        + " |",
         "|---|---|" + "---|" * len(columns),
     ]
     for kind in hidden:
         cells = (str(pairs[kind, n]) if pairs[kind, n] else "" for n in columns)
-        rows.append(f"| {KINDS.index(kind) + 1} | `{kind}` | " + " | ".join(cells) + " |")
+        rows.append(f"| {ALL_KINDS.index(kind) + 1} | `{kind}` | " + " | ".join(cells) + " |")
     return rows
 
 

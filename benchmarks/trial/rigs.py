@@ -19,7 +19,13 @@ LAW = StructuralDamping(stiffness_coefficient=0.005, mass_coefficient=100.0)
 # A beam has neither motion along its axis nor a length of stinger that could be told.
 ON_FRAME = ("transverse_sensitivity", "stinger_bending")
 # A free beam drifts on a hardening spring further than straight lines reach.
-ON_CANTILEVER = ("cubic_stiffness", "friction", "cubic_damper")
+ON_CANTILEVER = (
+    "cubic_stiffness",
+    "friction",
+    "cubic_damper",
+    "elastic_support",
+    "rotational_elastic_support",  # and these need a support
+)
 ON_HAMMER = ("double_hit",)
 ON_ROVING = ("drift",)  # one run sees nothing of it
 

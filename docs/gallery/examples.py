@@ -62,6 +62,24 @@ STRUCTURE = {
         shows="A spring restrains the rotation of the driven end: the rigid-body rotation becomes a"
         " resonance, and low frequencies rise.",
     ),
+    "elastic_support": Example(
+        structure="clamped beam",
+        rig=TIP,
+        at="1:+Y",
+        parameters={"flexibility": 2e-6},
+        band=(0.0, 250.0),
+        shows="The clamp yields along Y by 2 micrometres per newton: high frequencies fall most, as the"
+        " reaction of a mode grows with its frequency.",
+    ),
+    "rotational_elastic_support": Example(
+        structure="clamped beam",
+        rig=TIP,
+        at="1:+RZ",
+        parameters={"flexibility": 3e-4},
+        band=(0.0, 250.0),
+        shows="The clamp turns by 0.3 mrad per newton metre: all frequencies fall, the lowest by the largest"
+        " share.",
+    ),
     "joint_flexibility": Example(
         at="8:+RZ",
         band=MODES,
@@ -200,6 +218,12 @@ TRANSDUCERS = {
         at={"channels": ["7:+Y"]},
         panels=("magnitude", "ratio"),
         shows="10 % or 0.83 dB too high at every line; frequencies and damping do not change.",
+    ),
+    "integrated_response": Example(
+        at={"channels": ["7:+Y"]},
+        panels=("magnitude", "turn"),
+        shows="Velocity in place of acceleration: the magnitude falls by 20 dB a decade, and every line lags"
+        " by 90 degrees.",
     ),
     "polarity": Example(
         at={"channels": ["7:+Y"]},

@@ -56,6 +56,8 @@ SIMILAR_EFFECTS: Mapping[str, str] = {
     "blows. The dips of an `exciter_armature` are at resonances instead.",
     "drift": "`accelerometer_mass` shifts FRFs by an amount that depends on the place of the sensor; drift "
     "shifts them by an amount that depends on the order of the runs. Check: repeat the first run at the end.",
+    "elastic_support": "`rotational_elastic_support` lowers modes with a large moment at the support, this "
+    "effect those with a large reaction. `stiffness_error` of the member there is similar in low modes.",
     "exciter_armature": "The FRF does not change. `exciter_coil` broadens the dips of the force spectrum; "
     "`stinger_axial` adds a resonance above which the force is lost.",
     "exciter_coil": "`exciter_armature` alone leaves peaks beside the dips of the force spectrum; back-EMF "
@@ -77,6 +79,8 @@ SIMILAR_EFFECTS: Mapping[str, str] = {
     "gain error of the force transducer does. No other FRF confirms the gain error of a single response.",
     "ground_spring": "`stiffness_error` does not affect rigid-body motion; a spring to the ground raises "
     "the frequencies of rigid-body modes above 0 Hz. `suspension` does the same, and also adds damping.",
+    "integrated_response": "`ac_coupling` differentiates below its corner only. `gain_error` is the "
+    "same at every line, `polarity` a turn of 180 degrees; an integration is one of 90 degrees, and a slope.",
     "joint_flexibility": "`stiffness_error` of a member beside the joint is similar in low modes. A joint "
     "does not change modes without bending there.",
     "leakage": "`response_noise` lowers the coherence wherever the response is small; leakage lowers it at "
@@ -100,6 +104,9 @@ SIMILAR_EFFECTS: Mapping[str, str] = {
     "certain level.",
     "response_noise": "`response_noise` lowers the coherence at antiresonances, `force_noise` lowers it at "
     "resonances. With `response_noise` H1 is correct and H2 is too large.",
+    "rotational_elastic_support": "`joint_flexibility` at the next node and `stiffness_error` of the member "
+    "at the clamp are similar in low modes. `rotational_ground_spring` restrains what the model has as a "
+    "pin, this effect releases what it has as a clamp.",
     "rotational_ground_spring": "`ground_spring` at the same node restrains modes that translate there, "
     "this effect those that rotate there.",
     "shear_and_rotary_inertia": "`stiffness_error` everywhere changes all frequencies by one factor; shear "

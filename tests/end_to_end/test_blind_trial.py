@@ -13,7 +13,7 @@ import pytest
 from pydantic import TypeAdapter
 
 from benchmarks.blind_trial import case_numbers, main, read
-from benchmarks.trial.cases import KINDS, NOISES, ROUND, case, small_case
+from benchmarks.trial.cases import KINDS, LATER_KINDS, NOISES, PAIRED, ROUND, case, small_case
 from benchmarks.trial.hidden import Gauge, measurable
 from benchmarks.trial.reporting import calibration_error, report
 from benchmarks.trial.rigs import cantilever, frame, free_beam, short_beam, small_bench
@@ -138,6 +138,14 @@ def test_a_case_is_the_same_whatever_else_is_drawn(number: int) -> None:
         again.gap,
     )
     assert case(number, SEED + 1).seed != first.seed
+
+
+def test_kinds_that_came_later_have_a_set_of_their_own_and_change_no_other() -> None:
+    drawn = [case(number, SEED, "4") for number in range(6)]
+    assert tuple(one.truth[0].kind for one in drawn) == LATER_KINDS * 2
+    assert all(one.type == "single" and one.gap >= 0.95 * 2 for one in drawn)
+    assert drawn[0].bench.setup.noise != drawn[3].bench.setup.noise
+    assert set(LATER_KINDS).isdisjoint((*KINDS, *PAIRED)), "the order of the others decides their draws"
 
 
 def test_a_round_has_every_kind_once_and_the_next_another_noise() -> None:

@@ -20,11 +20,11 @@ from modallab.rig.setup import RigSetup
 @EFFECTS.register("gain_error")
 @dataclass(frozen=True)
 class GainError(Effect):
-    """Wrong sensitivity of a channel, H' = factor H.
+    """Wrong sensitivity or unit of a channel, H' = factor H.
 
-    With a DoF as place: the force transducer there, which divides every FRF by the factor. Frequencies,
-    damping and coherence do not change; modal constants do. Ewins, Modal Testing (2000), section 3.10, on
-    calibration.
+    A reading in mm/s^2 that the log book takes for m/s^2 has a factor of 1000, one in g 0.102. With a DoF as
+    place: the force transducer there, which divides every FRF by the factor. Frequencies, damping and
+    coherence do not change; modal constants do. Ewins, Modal Testing (2000), section 3.10, on calibration.
     """
 
     kind: ClassVar[str] = "gain_error"
@@ -36,8 +36,8 @@ class GainError(Effect):
     factor: float = parameter(
         1.1,
         unit="1",
-        lower=0.05,
-        upper=20.0,
+        lower=1e-4,
+        upper=1e4,
         absent=1.0,
         doc="measured over true value",
         scan_values=(0.1, 0.5, 0.9, 0.99, 1.01, 1.1, 2.0, 10.0),

@@ -124,6 +124,34 @@ class JointScan(Settings):
 
 
 @dataclass(frozen=True)
+class SupportScan(Settings):
+    """Scan of the flexibility of a support."""
+
+    decades_along: tuple[float, float] = setting(
+        (-2.0, 5.0),
+        unit="1",
+        doc="decimal logarithms of the flexibility over that of the members there, along a direction",
+        derived="from a hundredth of a member's to that of a bar of fifty members, which goes with the cube",
+    )
+    decades_about: tuple[float, float] = setting(
+        (-2.0, 3.0),
+        unit="1",
+        doc="the same about an axis",
+        derived="to that of a bar of several hundred members, which goes with the length",
+    )
+
+    @property
+    def along(self) -> FloatArray:
+        """(n,) trial flexibilities over that of the members, two a decade."""
+        return np.logspace(*self.decades_along, 15)
+
+    @property
+    def about(self) -> FloatArray:
+        """(n,) the same about an axis."""
+        return np.logspace(*self.decades_about, 11)
+
+
+@dataclass(frozen=True)
 class MixUpSettings(Settings):
     """Accelerometers at another place than the log book says."""
 
@@ -224,12 +252,43 @@ class SuspensionPlaces(Settings):
     )
 
 
+@dataclass(frozen=True)
+class IntegrationScan(Settings):
+    """Scan and suspicion of an integrated response."""
+
+    integrations: tuple[float, ...] = setting(
+        (-2.0, -1.0, 1.0, 2.0),
+        unit="1",
+        doc="trial numbers of integrations",
+        derived="between acceleration, velocity and displacement",
+    )
+    factors: tuple[float, ...] = setting(
+        (1.0, 10.0, 40.0, 1e3, 1e4, 1e6),
+        unit="1",
+        doc="trial factors of units",
+        derived="none; g; inches; mm; mm in place of g; micrometres; between them the logarithm is fitted",
+    )
+    nearness: float = setting(
+        0.5,
+        unit="1",
+        doc="difference of logarithms of FRFs below which they are alike",
+        derived="that of FRFs of shifted resonances is less, except at resonances and antiresonances",
+    )
+    least_share: float = setting(
+        0.5, unit="1", doc="share of lines up to which an integration is excluded", derived="half of them"
+    )
+    least_lines: int = setting(
+        8, unit="lines", doc="lines without which a response says nothing", derived="of fewer, half is chance"
+    )
+
+
 OSCILLATOR_SCAN = OscillatorScan()
 STINGER_SCAN = StingerScan()
 MOUNTING_SCAN = MountingScan()
 CABLE_SCAN = CableScan()
 MOUNTING = MountingSettings()
 JOINT_SCAN = JointScan()
+SUPPORT_SCAN = SupportScan()
 MIX_UP = MixUpSettings()
 MAINS = MainsSettings()
 OVERLOAD = OverloadSettings()
@@ -237,3 +296,4 @@ FRICTION_SCAN = FrictionScan()
 ARMATURE_SCAN = ArmatureScan()
 DOUBLE_HIT_SCAN = DoubleHitScan()
 SUSPENSION = SuspensionPlaces()
+INTEGRATION = IntegrationScan()

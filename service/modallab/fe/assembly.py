@@ -12,6 +12,7 @@ from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.dof import Dof
 from modallab.core.numerics import COMPARISON_ROUNDING
 from modallab.fe.damping import ModalDamping, StructuralDamping
+from modallab.fe.held_dofs import HeldDofs
 from modallab.fe.joint_rotations import JointRotations
 from modallab.fe.losses import Losses
 from modallab.fe.member_matrices import bar_of, member_matrices
@@ -139,7 +140,7 @@ class Assembly:
         """Return the assembly with the point masses and ground springs of a structure with the same DoFs."""
         assembly = copy(self)
         assembly.structure = structure
-        for name in ("_point_masses", "_ground", "springs"):
+        for name in ("_point_masses", "_ground", "springs", "_held"):
             assembly.__dict__.pop(name, None)
         return assembly
 
@@ -195,6 +196,7 @@ class Assembly:
             losses=losses,
             law=law,
             shear=self._shear(factors),
+            held=self._held,
         )
         return DynamicSystem(
             mass=self.matrix(mass, self._point_masses),
@@ -206,6 +208,10 @@ class Assembly:
             members=table,
             modal=ModalLossFactors(law.loss_factors) if isinstance(law, ModalDamping) else None,
         )
+
+    @cached_property
+    def _held(self) -> HeldDofs:
+        return HeldDofs.of(self.structure, self.rows.shape[1])
 
     @cached_property
     def _points(self) -> FloatArray:

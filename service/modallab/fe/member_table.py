@@ -7,10 +7,12 @@ import numpy as np
 from scipy.sparse import coo_array, csc_array
 
 from modallab.core.arrays import BoolArray, FloatArray, IntArray
+from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
-from modallab.fe.alteration import ROTATION_ROWS, Alteration, orthonormal_span, with_joints
-from modallab.fe.attachment import Attachment
+from modallab.fe.alteration import ROTATION_ROWS, Alteration, JointedMember, orthonormal_span, with_joints
+from modallab.fe.attachment import MATRIX_NAMES, Attachment
 from modallab.fe.damping import Damping
+from modallab.fe.held_dofs import HeldDofs
 from modallab.fe.losses import Losses
 from modallab.fe.shear import Shear
 
@@ -46,6 +48,7 @@ class MemberTable:
     losses: Losses
     law: Damping
     shear: Shear
+    held: HeldDofs
 
     def position(self, number: int) -> int:
         """Return the index of a member."""
@@ -65,12 +68,7 @@ class MemberTable:
             If there is no such member.
         """
         e, width = self.position(number), self.rows.shape[1]
-        mass, bending = self.mass[e], self.bending[e]
-        if alteration.shear:
-            (more_mass,), (more_bending,) = self._sheared(self.shear.of(e), alteration.shear)
-            mass, bending = mass + more_mass, bending + more_bending
-        stiffness = alteration.axial * self.axial[e] + alteration.bending * bending
-        new = with_joints(alteration.mass * mass, stiffness, alteration.joints)
+        new = self._jointed(e, alteration)
         nominal_padding = (0, new.inner), (0, new.inner)
         dm = new.mass - np.pad(self.mass[e], nominal_padding)
         dk = new.stiffness - np.pad(self.axial[e] + self.bending[e], nominal_padding)
@@ -89,11 +87,49 @@ class MemberTable:
         projection[width:, v.shape[1] :] = np.eye(new.inner)
         columns = np.zeros((n, v.shape[1]))
         columns[self.rows[e][free]] = v
-        losses = self.losses
-        damping = losses.mass[e] * dm + losses.stiffness[e] * (dk + lossy)
-        viscous = losses.viscous_mass[e] * dm + losses.viscous_stiffness[e] * (dk + lossy)
+        damping, viscous = self._damped(e, dm, dk + lossy)
         dm, dk, damping, viscous = (projection.T @ part @ projection for part in (dm, dk, damping, viscous))
         return Attachment(columns, dm, dk, damping, viscous, new.inner)
+
+    def altered_matrices(self, e: int, alteration: Alteration) -> tuple[dict[str, FloatArray], int]:
+        """Return the matrices (w + k, w + k) of a member, by its index, altered, and k, its joint rotations.
+
+        By name as those of an attachment, joint rotations last; damped by the law of the structure.
+        """
+        new = self._jointed(e, alteration)
+        damping, viscous = self._damped(e, new.mass, alteration.loss * new.stiffness)
+        return dict(zip(MATRIX_NAMES, (new.mass, new.stiffness, damping, viscous), strict=True)), new.inner
+
+    def _jointed(self, e: int, alteration: Alteration) -> JointedMember:
+        mass, bending = self.mass[e], self.bending[e]
+        if alteration.shear:
+            (more_mass,), (more_bending,) = self._sheared(self.shear.of(e), alteration.shear)
+            mass, bending = mass + more_mass, bending + more_bending
+        stiffness = alteration.axial * self.axial[e] + alteration.bending * bending
+        return with_joints(alteration.mass * mass, stiffness, alteration.joints)
+
+    def _damped(self, e: int, mass: FloatArray, stiffness: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the hysteretic and the viscous damping of a part of a member."""
+        losses = self.losses
+        return (
+            losses.mass[e] * mass + losses.stiffness[e] * stiffness,
+            losses.viscous_mass[e] * mass + losses.viscous_stiffness[e] * stiffness,
+        )
+
+    @property
+    def loaded_held_dofs(self) -> tuple[Dof, ...]:
+        """Held DoFs that members couple to free ones."""
+        loaded = np.zeros(len(self.held.dofs), bool)
+        for e in np.flatnonzero((self.held.rows >= 0).any(axis=1)):
+            held, free = self.held.rows[e] >= 0, self.rows[e] >= 0
+            part = np.abs(self.mass[e]) + np.abs(self.axial[e]) + np.abs(self.bending[e])
+            loaded[self.held.rows[e][held]] |= part[np.ix_(held, free)].any(axis=1)
+        return tuple(dof for dof, is_loaded in zip(self.held.dofs, loaded, strict=True) if is_loaded)
+
+    def held_stiffness(self, dof: Dof) -> float:
+        """Return the stiffness, N/m (N m/rad of a rotation), of all members at a held DoF."""
+        e, row = np.nonzero(self.held.rows == self.held.dofs.index(dof.point))
+        return float((self.axial[e, row, row] + self.bending[e, row, row]).sum())
 
     @property
     def loss_factor(self) -> FloatArray:

@@ -197,6 +197,15 @@ class Structure:
         return tuple(Dof(n, d) for n in self.nodes for d in self.directions if (n, d) not in fixed)
 
     @cached_property
+    def held_dofs(self) -> tuple[Dof, ...]:
+        """Degrees of freedom that the supports hold, in the order of the supports."""
+        held = dict.fromkeys(Dof(s.node, d) for s in self.supports for d in s.directions)
+        if self.blocks and held:
+            possible = set(self.blocks.dofs)
+            return tuple(dof for dof in held if dof in possible)
+        return tuple(dof for dof in held if dof.direction in self.directions)
+
+    @cached_property
     def _index(self) -> dict[Dof, int]:
         return {dof: i for i, dof in enumerate(self.dofs)}
 

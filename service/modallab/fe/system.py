@@ -1,99 +1,45 @@
 """Dynamic system: matrices of a structure with attached masses, springs, dampers and member changes."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import partial
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csc_array
 
-from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, UnknownDofError
 from modallab.fe.alteration import Alteration
-from modallab.fe.attachment import (
-    MATRIX_NAMES,
-    Attachment,
-    attached_stiffness,
-    damper,
-    oscillator,
-    point_mass,
-    spring,
-    stacked_columns,
-    with_attachments,
-    with_internal_motions,
-)
+from modallab.fe.attached_system import AttachedSystem
+from modallab.fe.attachment import MATRIX_NAMES, Attachment, with_attachments, with_internal_motions
 from modallab.fe.cache import CacheSlot
 from modallab.fe.damping import ViscousDamping
+from modallab.fe.elastic_supports import support_springs
 from modallab.fe.loaded_modes import half_power, loaded_modes, only_loads
 from modallab.fe.member_table import MemberTable
 from modallab.fe.modal_damping import ModalLossFactors
 from modallab.fe.modes import ModalBasis
 from modallab.fe.rebuilding import grounded, rebuilt
 from modallab.fe.settings import CACHE, EIGENSOLUTION
-from modallab.fe.system_matrices import SystemMatrices
 
-ATTACHMENTS: CacheSlot[Attachment] = CacheSlot("attachments", CACHE.attachments)
 VARIANTS: "CacheSlot[DynamicSystem]" = CacheSlot("variants", CACHE.variants)
 MEMBER_FACTORS: "CacheSlot[DynamicSystem]" = CacheSlot("member factors", CACHE.member_factors)
 
+_UNCHANGED: Mapping[str, Any] = {"alterations": {}, "supports": {}, "support_springs": None}
+
 
 @dataclass(frozen=True, eq=False)
-class DynamicSystem(SystemMatrices):
+class DynamicSystem(AttachedSystem):
     """Mass, stiffness and damping of a structure with its DoFs, and its attachments.
 
     The matrices are never changed: masses, springs and corrected members are attachments, so that
     modes are solved for once and every loaded variant follows by the Woodbury identity.
     """
 
-    attachments: tuple[Attachment, ...] = ()
     alterations: Mapping[int, tuple[Alteration, Attachment]] = field(default_factory=dict)  # by member
-
-    def attach(self, attachment: Attachment) -> "DynamicSystem":
-        """Return the system with one more attachment."""
-        return replace(self, attachments=(*self.attachments, attachment))
-
-    def add_mass(self, node: int, mass: float) -> "DynamicSystem":
-        """Return the system with a mass, kg, that moves with every translation of a node."""
-        return self.add_masses((node,), mass)
-
-    def add_masses(self, nodes: Sequence[int], mass: float) -> "DynamicSystem":
-        """Return the system with the same mass, kg, at each of some nodes."""
-        masses = [self._cached_attachment((node, mass), partial(self._mass, node, mass)) for node in nodes]
-        return replace(self, attachments=(*self.attachments, *masses))
-
-    def _cached_attachment(self, key: tuple[object, ...], make: Callable[[], Attachment]) -> Attachment:
-        """Return the cached attachment of a key, or make it: every run of a test attaches the same ones."""
-        capacity = min(CACHE.attachments, 1 + CACHE.attachment_rows // len(self.dofs))
-        return self.cache.compute(ATTACHMENTS, key, make, capacity=capacity)
-
-    def _mass(self, node: int, mass: float) -> Attachment:
-        return point_mass(self.selection(self.translations(node)), mass)
-
-    def add_spring(self, dof: Dof, stiffness: float) -> "DynamicSystem":
-        """Return the system with a spring, N/m (N m for a rotation), from a DoF to the ground."""
-        return self._attach_at(dof, spring, stiffness)
-
-    def add_damper(self, dof: Dof, viscous: float) -> "DynamicSystem":
-        """Return the system with a viscous damper, N s/m (N m s for a rotation), from a DoF to the ground."""
-        return self._attach_at(dof, damper, viscous)
-
-    def add_oscillator(self, dof: Dof, mass: float, frequency: float, loss_factor: float) -> "DynamicSystem":
-        """Return the system with a mass, kg, on a damped spring attached to a DoF.
-
-        Parameters
-        ----------
-        frequency
-            Hz, of the mass on its spring when the DoF is fixed.
-        loss_factor
-            Of the spring.
-        """
-        return self._attach_at(dof, oscillator, mass, frequency, loss_factor)
-
-    def _attach_at(self, dof: Dof, make: Callable[..., Attachment], *numbers: float) -> "DynamicSystem":
-        """Return the system with an attachment at a DoF, made from the DoF's column and some numbers."""
-        key = (make, dof, numbers)
-        return self.attach(self._cached_attachment(key, lambda: make(self.selection((dof,)), *numbers)))
+    supports: Mapping[Dof, float] = field(default_factory=dict)  # m/N or rad/(N m), of those not rigid
+    support_springs: Attachment | None = None  # of all elastic supports and the members there
 
     def change_member(
         self, number: int, *, mass: float = 0.0, axial: float = 0.0, bending: float = 0.0
@@ -126,12 +72,56 @@ class DynamicSystem(SystemMatrices):
         previous, previous_attachment = self.alterations.get(number, (Alteration(), None))
         combined = previous.combined_with(alteration)
         table, n = self._member_table, len(self.dofs)
+        if self.supports and table.held.members_at(self.supports)[table.position(number)]:
+            return self._supported(self.supports, {number: combined})
         attachment = self._cached_attachment((number, combined), lambda: table.altered(number, combined, n))
         attachments = tuple(a for a in self.attachments if a is not previous_attachment)
         return replace(
             self,
             attachments=(*attachments, attachment),
             alterations={**self.alterations, number: (combined, attachment)},
+        )
+
+    def soften_support(self, dof: Dof, flexibility: float) -> "DynamicSystem":
+        """Return the system with a spring, m/N (rad/(N m) of a rotation), between a held DoF and the ground.
+
+        Raises
+        ------
+        UnknownDofError
+            If no support holds the DoF.
+        """
+        held, point = self._member_table.held.dofs, dof.point
+        if point not in held:
+            raise UnknownDofError(
+                f"no support holds {dof}", field="at", value=str(dof), allowed=[str(each) for each in held]
+            )
+        return self._supported({**self.supports, point: self.supports.get(point, 0.0) + flexibility}, {})
+
+    @property
+    def loaded_supports(self) -> tuple[Dof, ...]:
+        """Held DoFs that members couple to free ones: those that react to a motion."""
+        return () if self.members is None else self.members.loaded_held_dofs
+
+    def stiffness_at_support(self, dof: Dof) -> float:
+        """Return the stiffness, N/m (N m/rad of a rotation), of the members at a held DoF, all else held."""
+        return self._member_table.held_stiffness(dof)
+
+    def _supported(self, supports: Mapping[Dof, float], altered: Mapping[int, Alteration]) -> "DynamicSystem":
+        """Return the system on elastic supports, whose attachment includes alterations of members there."""
+        table, n = self._member_table, len(self.dofs)
+        at_supports = table.held.members_at(supports)
+        previous = {k: own for k, own in self.alterations.items() if at_supports[table.position(k)]}
+        alterations = {**{number: alteration for number, (alteration, _) in previous.items()}, **altered}
+        key = ("supports", tuple(supports.items()), tuple(alterations.items()))
+        springs = self._cached_attachment(key, lambda: support_springs(table, supports, alterations, n))
+        replaced = [self.support_springs, *(attachment for _, attachment in previous.values())]
+        attachments = tuple(a for a in self.attachments if not any(a is b for b in replaced))
+        return replace(
+            self,
+            attachments=(*attachments, springs),
+            alterations={**self.alterations, **{k: (a, springs) for k, a in alterations.items()}},
+            supports=supports,
+            support_springs=springs,
         )
 
     @property
@@ -225,7 +215,7 @@ class DynamicSystem(SystemMatrices):
         def make() -> DynamicSystem:
             table = members()
             matrices = rebuilt(self._matrices, len(self.dofs), self._member_table, table)
-            bare = replace(self, attachments=(), alterations={})
+            bare = replace(self, attachments=(), **_UNCHANGED)
             return DynamicSystem(
                 **matrices,  # type: ignore[arg-type]
                 dofs=self.dofs,
@@ -235,13 +225,13 @@ class DynamicSystem(SystemMatrices):
                 eigenvalue_reference=None if eigenvalue_ratio is None else (bare, eigenvalue_ratio),
             )
 
-        of_members = [attachment for _, attachment in self.alterations.values()]
+        of_members = [self.support_springs, *(attachment for _, attachment in self.alterations.values())]
         attachments = tuple(a for a in self.attachments if not any(a is b for b in of_members))
         variant = self.cache.compute(slot, key, make)
-        system = replace(variant, attachments=attachments, alterations={})
+        system = replace(variant, attachments=attachments, **_UNCHANGED)
         for number, (alteration, _) in self.alterations.items():
             system = system.alter(number, alteration)
-        return system
+        return system._supported(self.supports, {}) if self.supports else system
 
     @property
     def _matrices(self) -> dict[str, csc_array | None]:
@@ -262,15 +252,6 @@ class DynamicSystem(SystemMatrices):
         """All attachments, modal damping among them as the last one."""
         damping = self.modal_damping
         return self.attachments if damping is None else (*self.attachments, damping)
-
-    @property
-    def stacked_columns(self) -> FloatArray:
-        """(n, R): the columns of all attachments side by side."""
-        return stacked_columns(len(self.dofs), self.attachments)
-
-    def attached_stiffness(self, omega: FloatArray) -> ComplexArray:
-        """Return the dynamic stiffness of all attachments, (n_freq, R, R), block by block."""
-        return attached_stiffness(self.attachments, omega)
 
     def first_modes(self, count: int) -> ModalBasis:
         """Return modes of the system with its attachments: `count` elastic ones or more, or all."""

@@ -93,6 +93,15 @@ def test_a_student_measures_as_chosen_within_the_limits(school: School) -> None:
     assert len(school.send("student", "GET", f"/v1/assignments/{id}").json()["measurements"]) == 1
 
 
+def test_no_number_between_whole_ones_is_drawn_for_a_student(school: School) -> None:
+    limits = {"between": [1.0, 2.0]}
+    hidden = [{"kind": "integrated_response", "at": None, "parameters": {"integrations": limits}}]
+    body = assignment(school.ids["class"]) | {"hidden": hidden}
+    reply = school.send("instructor", "POST", "/v1/assignments", json=body)
+    assert reply.status_code == 422, reply.text
+    assert reply.json()["context"]["allowed"] == [-2, -1, 0, 1, 2]
+
+
 def test_the_hidden_effects_act(school: School) -> None:
     choices = {"route": {"one_of": ["expected"]}}
     id = created(school, choices=choices)["id"]

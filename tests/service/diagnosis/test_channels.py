@@ -12,6 +12,7 @@ from tests.diagnosing import draw_measurement, model, rig
 HELD = [Dof(2, "Y")]
 FAULTS = {
     "gain_error": {"factor": 1.05},
+    "gain_error of a unit": {"factor": 1e3},
     "polarity": {},
     "channel_delay": {"delay": 3e-5},
     "mounted_resonance": {"frequency": 2e3},
@@ -19,9 +20,9 @@ FAULTS = {
 }
 
 
-@pytest.mark.parametrize("kind", FAULTS)
-def test_a_fault_of_one_channel_is_named_though_the_frfs_held_out_know_nothing_of_it(kind: str) -> None:
-    at, values = Channels((Dof(5, "Y"),)), FAULTS[kind]
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_fault_of_one_channel_is_named_though_the_frfs_held_out_know_nothing_of_it(fault: str) -> None:
+    kind, at, values = fault.split()[0], Channels((Dof(5, "Y"),)), FAULTS[fault]
     found = diagnose(
         model(), draw_measurement(rig(), [EFFECTS[kind](at=at, **values)]), suspects=[kind], hold_out=HELD
     )

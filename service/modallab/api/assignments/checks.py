@@ -7,6 +7,7 @@ from pydantic import ValidationError
 
 from modallab.api.rigs.schemas import RigIn
 from modallab.assignments.choices import Choice, chosen_rig
+from modallab.assignments.drawing import Lot
 from modallab.assignments.hidden import HiddenEffect
 from modallab.assignments.terms import AssignmentTerms, DiagnosisRule
 from modallab.core.errors import InvalidInputError
@@ -109,4 +110,6 @@ def _check_hidden(assignment: AssignmentTerms, structure: Structure, setup: RigS
 
 
 def _extremes(hidden: Iterable[HiddenEffect]) -> Iterable[Effect]:
-    return (build(spec) for effect in hidden for spec in effect.extremes())
+    # One drawn between the limits too: of whole numbers there may be none.
+    between = Lot("", "between")
+    return (build(spec) for effect in hidden for spec in (*effect.extremes(), effect.effect_for(between)))
