@@ -129,18 +129,25 @@ class _Quantity:
         name: str,
         curves: tuple[FloatArray, FloatArray, FloatArray],
         error: tuple[FloatArray, FloatArray],
+        known: BoolArray,
     ) -> None:
         self.name = name
         self.measured, self.before, self.after = curves
         self.low, self.high = (self.measured + offset for offset in error)
-        self.frame = svg.Frame(svg.linear(0.0, 1.0, ""), _axis_of(name, curves))
+        self.frame = svg.Frame(svg.linear(0.0, 1.0, ""), _axis_of(name, curves, known))
 
 
-def _axis_of(name: str, curves: Sequence[FloatArray]) -> svg.Axis:
+def _known(curves: FrfCurves) -> BoolArray:
+    # Where the source has no power a measured FRF is noise, and a predicted one 0.
+    return np.asarray(curves.random_error < REPORT.largest_known_error)
+
+
+def _axis_of(name: str, curves: Sequence[FloatArray], known: BoolArray) -> svg.Axis:
+    """Return the axis of phases, or that of magnitudes at the lines at which they are known."""
     if name == "phase":
         quarters = tuple((float(a), f"{a}") for a in (-180, -90, 0, 90, 180))
         return svg.Axis(-190.0, 190.0, quarters, "phase, degrees")
-    levels = np.concatenate(curves)
+    levels = np.concatenate([curve[known] for curve in curves])
     levels = levels[np.isfinite(levels)] if np.isfinite(levels).any() else np.zeros(1)
     low, high = np.floor(levels.min() / 5) * 5, np.ceil((levels.max() + 0.1) / 5) * 5
     return svg.linear(low, high, "dB re 1 m/(s² N)", n_ticks=5)
@@ -153,6 +160,7 @@ def _magnitude(curves: FrfCurves, i: int, valid: BoolArray) -> _Quantity:
         "magnitude",
         (levels[0], levels[1], levels[2]),
         (20 * np.log10(1 - error), 20 * np.log10(1 + error)),
+        _known(curves)[:, i],
     )
 
 
@@ -162,7 +170,7 @@ def _phase(curves: FrfCurves, i: int, valid: BoolArray) -> _Quantity:
         np.where(valid, np.degrees(np.angle(values[:, i])), np.nan)
         for values in (curves.measured, curves.before, curves.after)
     ]
-    return _Quantity("phase", (phases[0], phases[1], phases[2]), (-error, error))
+    return _Quantity("phase", (phases[0], phases[1], phases[2]), (-error, error), _known(curves)[:, i])
 
 
 def _channel(curves: FrfCurves, i: int, reason: str, added: bool) -> str:
@@ -211,7 +219,8 @@ def _unmeasured(curves: DiagnosisCurves, i: int) -> str:
     values = curves.predicted[:, i, 0]
     predicted = _decibel(values, (np.abs(values) > 0) & (curves.freq > 0))
     x, (levels,) = svg.thinned(curves.freq, [predicted], DRAWING.curve_points)
-    frame = svg.Frame(svg.frequencies(curves.freq), _axis_of("magnitude", (levels,)))
+    known = np.asarray(_known(curves.by_frf).any(axis=1))
+    frame = svg.Frame(svg.frequencies(curves.freq), _axis_of("magnitude", (predicted,), known))
     name = f"{curves.predicted_outputs[i]} / {curves.inputs[0]}"
     chart = svg.chart(frame, f"magnitude of {name}, predicted", [svg.line(frame, x, levels, "after")])
     caption = f"Response {name}, not measured: prediction."

@@ -30,6 +30,11 @@ class ReportSettings(Settings):
     visible_log_ratio: float = setting(
         0.3, doc="|ln(measured / predicted)| that an axis in decibels shows", derived="2.6 dB"
     )
+    largest_known_error: float = setting(
+        1.0,
+        doc="relative random error of an FRF from which its axis does not follow it",
+        derived="100 %: where the source has no power a measured FRF is noise alone",
+    )
     fewest_lines: int = setting(
         10, unit="lines", doc="least lines on each side of the largest difference", derived="legibility"
     )

@@ -40,7 +40,10 @@ def verdict_text(diagnosis: Diagnosis) -> str:
     """Return the reduction of the gap in a few sentences."""
     remaining = f"{gap_text(diagnosis.remaining_gap)} (random error ± {diagnosis.remaining_scatter:.2f})"
     if diagnosis.verdict is Verdict.NOTHING_MISSING:
-        return f"Model and log book predict this test within its random error: the gap is {remaining}."
+        within = ", within their tolerances," if diagnosis.tolerated else ""
+        return (
+            f"Model and log book{within} predict this test within its random error: the gap is {remaining}."
+        )
     if not diagnosis.steps:
         return f"The gap is {remaining}; every suspect was tried at every possible place, and none closes it."
     words = [_reduction(diagnosis.steps), f"The remaining gap over all FRFs is {remaining}."]

@@ -79,3 +79,17 @@ def test_a_difference_that_no_curve_shows_is_drawn_as_a_ratio_in_per_cent_and_de
     assert len(down) <= 200
     assert (np.diff(down) >= 0).all(), "the phase falls with frequency"
     assert "Response 5:+Y / 1:+Y: measured over initial prediction." in "".join(page.itertext())
+
+
+def test_the_axis_leaves_out_lines_without_power_of_the_source() -> None:
+    found = curves(401)
+    silent = found.freq < 10
+    error = np.where(silent[:, None, None], 10.0, found.random_error)
+    before, after = (np.where(silent[:, None, None], 1e-12, part) for part in (found.before, found.after))
+    cut_band = replace(found, random_error=error, before=before, after=after)
+
+    def ticks(picture: str) -> list[float]:
+        texts = [element.text or "" for element in ET.fromstring(f"<p>{picture}</p>").iter() if element.text]
+        return [float(text) for text in texts if text.lstrip("-").isdigit()]
+
+    assert min(ticks(all_curves(cut_band, added=True))) == min(ticks(all_curves(found, added=True)))

@@ -188,6 +188,8 @@ def test_what_may_differ_a_little_stands_in_a_table_where_it_was_tolerated() -> 
     assert "loss factor of mode 3 1.1834 ± 0.0021 ± 20 %" in words
     assert "delay, channel 4:+Y (-1.200 ± 0.020)·10⁻⁶ s ± 1e-06 s" in words
     assert "Parameters within tolerances" not in text_of(report(diagnosis()))
+    nothing = replace(diagnosis(Verdict.NOTHING_MISSING, ()), tolerated=tolerated)
+    assert "Model and log book, within their tolerances, predict this test" in text_of(report(nothing))
 
 
 def test_of_members_that_share_a_tolerance_the_one_that_deviates_most_is_in_the_table() -> None:
