@@ -179,16 +179,13 @@ def _minimised(task: "_FitTask") -> tuple[FloatArray, FloatArray]:
         evaluations=FIT.max_evaluations,
         tolerance=FIT.coarse_tolerance + tolerated,
         excess_share=FIT.excess_share,
-        corrections=max(1, len(task.free) // FIT.parameters_per_correction),
+        # Where an effect is fitted too, steps with corrected derivatives may end before they reach the data.
+        corrections=1 if len(parameters) else max(1, len(task.free) // FIT.parameters_per_correction),
     )
     if float(minimum.vector @ minimum.vector) < FIT.near_noise * len(minimum.vector):
         if minimum.corrections > FIT.max_corrections:
             minimum.renew()
-        minimum.minimise(
-            evaluations=FIT.max_evaluations,
-            tolerance=FIT.tolerance + tolerated,
-            corrections=FIT.max_corrections if len(task.free) > FIT.parameters_per_correction else 1,
-        )
+        minimum.minimise(evaluations=FIT.max_evaluations, tolerance=FIT.tolerance + tolerated)
     return minimum.position, minimum.jacobian[: len(minimum.vector) - len(task.free)]
 
 
