@@ -73,6 +73,7 @@ def import_project(
     """
     ids: dict[str, str] = {}
     with opened(file.file, largest=settings.upload_limit) as project:
+        # All are checked before the database is locked: SQLite has one writer at a time.
         for read in project.contents.things:
             check(project, read)
         with store.together() as batch:

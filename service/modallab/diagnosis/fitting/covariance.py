@@ -1,6 +1,6 @@
 """Standard errors of fitted parameters, from the derivatives of the residuals."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
@@ -120,6 +120,24 @@ def _held_out_covariance(
     return np.asarray(direct + propagation @ covariance @ propagation.T)
 
 
+def deviating_predictions(
+    predictor: Predictor,
+    effects: Sequence[Effect],
+    predict: Callable[[Sequence[Effect]], Predicted],
+) -> Callable[[Sequence[Effect]], Predicted]:
+    """Return predictions near some effects for derivatives by nuisance parameters.
+
+    Deviations within tolerances hardly alter the motion at a nonlinear force: it keeps its distortion.
+
+    Parameters
+    ----------
+    predict
+        The predictor's linearisation at these effects.
+    """
+    nonlinear = any(effect.on_motion() is not None for effect in effects)
+    return predictor.linearisation_at(effects, same_distortion=True) if nonlinear else predict
+
+
 def _derivatives(
     predictor: Predictor, fixed: Sequence[Effect], parameters: ParameterVector
 ) -> tuple[FloatArray, int]:
@@ -140,8 +158,7 @@ def _derivatives(
         lambda perturbed: vector(predict([*fixed, *perturbed])), vector(base)
     )
     indices = np.arange(len(predictor.nuisances))
-    nonlinear = any(effect.on_motion() is not None for effect in effects)
-    deviating = predictor.linearisation_at(effects, same_distortion=True) if nonlinear else predict
+    deviating = deviating_predictions(predictor, effects, predict)
     by_nuisances = predictor.nuisances.derivatives(
         lambda deviations: deviating([*deviations, *effects]), vector, base, observed, indices
     )

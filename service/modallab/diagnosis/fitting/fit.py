@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from modallab.core.arrays import FloatArray
 from modallab.core.numerics import SAFE_SQUARED_DIVISOR
 from modallab.diagnosis.fitting.coarse_fit import with_prior_rows
-from modallab.diagnosis.fitting.covariance import ParameterErrors, standard_errors
+from modallab.diagnosis.fitting.covariance import ParameterErrors, deviating_predictions, standard_errors
 from modallab.diagnosis.fitting.held_out_nuisances import fit_held_out_nuisances
 from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.optimisation.fit_parameters import ParameterVector
@@ -185,7 +185,11 @@ def _minimised(task: "_FitTask") -> tuple[FloatArray, FloatArray]:
     if float(minimum.vector @ minimum.vector) < FIT.near_noise * len(minimum.vector):
         if minimum.corrections > FIT.max_corrections:
             minimum.renew()
-        minimum.minimise(evaluations=FIT.max_evaluations, tolerance=FIT.tolerance + tolerated)
+        minimum.minimise(
+            evaluations=FIT.max_evaluations,
+            tolerance=FIT.tolerance + tolerated,
+            prediction_error=FIT.prediction_error,
+        )
     return minimum.position, minimum.jacobian[: len(minimum.vector) - len(task.free)]
 
 
@@ -277,8 +281,7 @@ class _FitTask:
         known, self._known = self._known, None  # they serve once: where they mislead they are renewed
         if known is not None:
             return with_prior_rows(by_parameters, known.astype(float), self._prior)
-        nonlinear = any(effect.on_motion() is not None for effect in acting)
-        deviating = predictor.linearisation_at(acting, same_distortion=True) if nonlinear else predict
+        deviating = deviating_predictions(predictor, acting, predict)
         by_nuisances = self.predictor.nuisances.derivatives(
             lambda deviations: deviating([*deviations, *acting]),
             vector,

@@ -46,6 +46,12 @@ class FitSettings(Settings):
         doc="nuisance parameters for each correction of derivatives, far from the data, before their renewal",
         derived="corrections cost an evaluation each, a renewal one for each parameter",
     )
+    prediction_error: float = setting(
+        0.5,
+        unit="squared standard deviations",
+        doc="loss by a step up to which two losses in a row may be errors of predictions at the minimum",
+        derived="a step that could gain as much is 0.7 standard errors long",
+    )
     max_corrections: int = setting(
         3,
         unit="corrections",

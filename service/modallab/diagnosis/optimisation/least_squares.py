@@ -51,6 +51,7 @@ class BoundedGaussNewton:
         excess_share: float = 0.0,
         weights: FloatArray | None = None,
         corrections: int = 1,
+        prediction_error: float = 0.0,
     ) -> None:
         """Take steps until one predicts a gain below `tolerance`, in squared standard deviations.
 
@@ -64,6 +65,8 @@ class BoundedGaussNewton:
             (n_data,) of the residuals; all 1 if none are given.
         corrections
             Of the derivatives, at least, before steps that gain slowly renew them.
+        prediction_error
+            Loss below which two steps in a row that lose end the minimisation.
         """
         trust_radius, last_gain, n_lost = LEAST_SQUARES.first_step, np.inf, 0
         for _ in range(evaluations):
@@ -84,7 +87,7 @@ class BoundedGaussNewton:
             successful = np.isfinite(gain) and gain > 0
             longest = float(np.abs(step).max())
             # Errors of derivatives promise a gain even at the minimum; those of predictions lose some there.
-            n_lost = n_lost + 1 if not successful and gain > -LEAST_SQUARES.prediction_error else 0
+            n_lost = n_lost + 1 if not successful and gain > -prediction_error else 0
             at_minimum = not self.corrections and (abs(gain) < least_gain or n_lost > 1)
             if vector is not None and successful:
                 self._move(target, vector)

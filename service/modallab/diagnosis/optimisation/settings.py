@@ -68,12 +68,6 @@ class LeastSquaresSettings(Settings):
         doc="share of the last predicted gain above which corrected derivatives are renewed",
         tuned=TESTS,
     )
-    prediction_error: float = setting(
-        0.5,
-        unit="squared standard deviations",
-        doc="loss by a step up to which two losses in a row may be errors of predictions at the minimum",
-        derived="a step that could gain as much is 0.7 standard errors long",
-    )
     shrinkage: float = setting(
         4.0, doc="divisor of the trust region after a step that does not reduce the cost", tuned=TESTS
     )

@@ -199,8 +199,8 @@ class SingleTestPredictor:
             linearised=linearised,
             only=runs,
         )
-        linear = linearised is not None or not measuring_chain.runs[0].local_forces
-        nonlinear = not linear and measuring_chain.source.continuous > 0
+        solved = linearised is None and len(measuring_chain.runs[0].local_forces) > 0
+        nonlinear = solved and measuring_chain.source.continuous > 0
         share *= len(measuring_chain.runs) / len(self.setup.acquisition_runs)
         self.budget.spend(share * PREDICTION.nonlinear_cost if nonlinear else share)
         return measuring_chain

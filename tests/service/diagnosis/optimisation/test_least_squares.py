@@ -127,7 +127,7 @@ def test_a_fit_ends_where_errors_of_predictions_hide_what_steps_gain() -> None:
 
     bounds = np.array([-1.0]), np.array([1.0])
     descent = BoundedGaussNewton(residual, lambda *_: np.array([[0.1], [1.0]]), np.zeros(1), bounds)
-    descent.minimise(evaluations=20, tolerance=1e-9)
+    descent.minimise(evaluations=20, tolerance=1e-9, prediction_error=0.5)
     assert len(evaluated) == 4  # the start, a step that loses 1.1, and two that lose little
     assert descent.position == 0.0
 
