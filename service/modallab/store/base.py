@@ -11,7 +11,7 @@ from modallab.core.place import EffectSpec
 from modallab.store.viewer import Viewer
 
 if TYPE_CHECKING:
-    from modallab.store.movable import Projects
+    from modallab.store.exported import Projects
 
 T = TypeVar("T")
 

@@ -1,4 +1,4 @@
-"""What of an owner can be stored elsewhere, in an order in which it can be made again."""
+"""Projects in an SQL store, their objects in an order in which they can be made again."""
 
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import AbstractContextManager
@@ -9,7 +9,7 @@ import sqlalchemy as sa
 from modallab.core.errors import InvalidInputError
 from modallab.store.arrays import ArrayFiles
 from modallab.store.base import Entry
-from modallab.store.movable import Movable, StoredParts
+from modallab.store.exported import ProjectContents, StoredParts
 from modallab.store.tables import THINGS, TRIALS
 
 Connect = Callable[[], AbstractContextManager[sa.Connection]]
@@ -17,20 +17,20 @@ _ENTRY = [THINGS.c[field.name] for field in fields(Entry)]
 
 
 class SqlProjects:
-    """What an owner has, as it lies in the store; truths lie elsewhere."""
+    """Objects of owners as they lie in the store; truths are not among them."""
 
     def __init__(self, connect: Connect, files: ArrayFiles) -> None:
         self._connect, self._files = connect, files
 
-    def movable(self, *, owner: str, label: str | None = None) -> Movable:
-        """Return what of an owner's can be stored elsewhere, each after what it was made from.
+    def contents(self, *, owner: str, label: str | None = None) -> ProjectContents:
+        """Return the objects of an owner that an export writes, each after its origins.
 
-        What was made from things of others, or from a measurement of an assignment, needs what does not go.
+        Objects made from those of others, or from a measurement of an assignment, are left out.
 
         Parameters
         ----------
         label
-            Of what is wanted; what that was made from goes too. None: everything is wanted.
+            Objects with this label and their origins; None: all objects.
         """
         query = sa.select(*_ENTRY).where(THINGS.c.owner == owner, THINGS.c.removed.is_(None))
         sealed_query = sa.select(TRIALS.c.measurement_id).where(TRIALS.c.student == owner)
@@ -40,9 +40,9 @@ class SqlProjects:
         owned = {row.id: Entry(**row._mapping) for row in rows}
         chosen = [entry for entry in owned.values() if label is None or label in entry.labels]
         wanted = _with_origins(chosen, owned)
-        movable = _in_order([entry for id, entry in owned.items() if id in wanted and id not in sealed])
-        ids = {entry.id for entry in movable}
-        return Movable(tuple(movable), tuple(id for id in owned if id in wanted - ids))
+        exported = _in_order([entry for id, entry in owned.items() if id in wanted and id not in sealed])
+        ids = {entry.id for entry in exported}
+        return ProjectContents(tuple(exported), tuple(id for id in owned if id in wanted - ids))
 
     def parts(self, id: str) -> StoredParts:
         """Return a thing as it lies in the store."""

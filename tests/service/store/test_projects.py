@@ -9,18 +9,18 @@ from modallab.store.sql import SqlStore
 from tests.service.store.test_sql import BEAM, RIG, measurement
 
 
-def movable(store: SqlStore, owner: str = "me", label: str | None = None) -> tuple[list[str], set[str]]:
+def exported(store: SqlStore, owner: str = "me", label: str | None = None) -> tuple[list[str], set[str]]:
     """Return the ids of what can be exported in order, and of what cannot."""
-    found = store.projects.movable(owner=owner, label=label)
+    found = store.projects.contents(owner=owner, label=label)
     return [entry.id for entry in found.entries], set(found.left_out)
 
 
 def test_each_comes_after_what_it_was_made_from_whenever_it_was_published(store: SqlStore) -> None:
     rig = store.rigs.add(RIG, owner="unpublished")
     test = store.measurements.add(measurement(), owner="me", inputs={"rig_id": rig})
-    assert movable(store) == ([], {test})  # the rig is not the owner's yet
+    assert exported(store) == ([], {test})  # the rig is not the owner's yet
     store.rigs.hand_over(rig, owner="me", created="2100-01-01")
-    assert movable(store) == ([rig, test], set())
+    assert exported(store) == ([rig, test], set())
 
 
 def test_what_was_made_from_what_stays_stays_too(store: SqlStore) -> None:
@@ -28,17 +28,17 @@ def test_what_was_made_from_what_stays_stays_too(store: SqlStore) -> None:
     changed = store.structures.add(BEAM, owner="me", inputs={"structure_id": shared})
     again = store.structures.add(BEAM, owner="me", inputs={"structure_id": changed})
     own = store.structures.add(BEAM, owner="me")
-    assert movable(store) == ([own], {changed, again})
+    assert exported(store) == ([own], {changed, again})
     store.structures.discard(own)
-    assert movable(store) == ([], {changed, again})
+    assert exported(store) == ([], {changed, again})
 
 
 def test_a_label_brings_all_origins_and_nothing_else(store: SqlStore) -> None:
     rigs = [store.rigs.add(RIG, owner="me") for _ in range(2)]
     tests = [store.measurements.add(measurement(), owner="me", inputs={"rig_id": rig}) for rig in rigs]
     store.measurements.describe(tests[1], Description(labels=["autumn"]))
-    assert movable(store, label="autumn") == ([rigs[1], tests[1]], set())
-    assert movable(store, label="autum") == ([], set())
+    assert exported(store, label="autumn") == ([rigs[1], tests[1]], set())
+    assert exported(store, label="autum") == ([], set())
 
 
 def test_parts_are_those_of_the_store_without_the_truth(store: SqlStore) -> None:

@@ -15,7 +15,7 @@ from modallab.api.projects.settings import PROJECT
 from modallab.core.errors import InvalidInputError, JsonValue, bounds
 from modallab.interchange.npz_arrays import Arrays, load
 from modallab.store.base import Entry, Store
-from modallab.store.movable import Movable
+from modallab.store.exported import ProjectContents
 
 _MANIFEST = "project.json"
 _KEPT = ("id", "kind", "version", "seed", "inputs", "name", "labels", "comment")
@@ -23,7 +23,7 @@ _METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 _NUL = re.compile(r"(?<!\\)(?:\\\\)*\\u0000")
 
 
-def write_project(store: Store, project: Movable, file: IO[bytes], *, largest: int) -> None:
+def write_project(store: Store, project: ProjectContents, file: IO[bytes], *, largest: int) -> None:
     """Write things as a project file.
 
     Parameters
@@ -50,7 +50,7 @@ def write_project(store: Store, project: Movable, file: IO[bytes], *, largest: i
             archive.writestr(zipfile.ZipInfo(name), content, method)
 
 
-def _members(store: Store, project: Movable) -> Iterator[tuple[str, bytes]]:
+def _members(store: Store, project: ProjectContents) -> Iterator[tuple[str, bytes]]:
     things = [_described(entry) for entry in project.entries]
     contents = {"format": 1, "version": modallab.__version__, "things": things}
     yield _MANIFEST, json.dumps(contents | {"left_out": project.left_out}).encode()

@@ -45,7 +45,7 @@ def export_project(
     path = Path(name)
     try:
         with os.fdopen(handle, "wb") as file:
-            project = store.projects.movable(owner=owner, label=label)
+            project = store.projects.contents(owner=owner, label=label)
             write_project(store, project, file, largest=settings.upload_limit)
     except BaseException:
         path.unlink(missing_ok=True)

@@ -1,4 +1,4 @@
-"""What of an owner can be stored elsewhere."""
+"""Contents of a project: objects of an owner that an export writes."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,8 +8,8 @@ from modallab.store.base import Entry
 
 
 @dataclass(frozen=True)
-class Movable:
-    """What of an owner can be stored elsewhere, and what cannot."""
+class ProjectContents:
+    """Objects of an owner that an export writes, and those that it leaves out."""
 
     entries: tuple[Entry, ...]
     """Each after those that it was made from."""
@@ -30,10 +30,10 @@ class StoredParts:
 
 
 class Projects(Protocol):
-    """What an owner has, to be stored elsewhere."""
+    """Projects of all owners."""
 
-    def movable(self, *, owner: str, label: str | None = None) -> Movable:
-        """Return what of an owner's, with one of the labels and what it was made from, can be exported."""
+    def contents(self, *, owner: str, label: str | None = None) -> ProjectContents:
+        """Return the objects of an owner that an export writes: all, or those with a label and origins."""
         ...
 
     def parts(self, id: str) -> StoredParts:
