@@ -218,6 +218,18 @@ def noise_densities(chain: Chain, clean: ComplexArray) -> FloatArray:
     return np.asarray(levels * _autos(chain, clean).mean(axis=1) + densities)
 
 
+def noise_in_lines(chain: Chain, clean: ComplexArray) -> FloatArray:
+    """Return what noise adds to the auto spectra of the channels at every line, (n_run, n_ch), forces first.
+
+    Parameters
+    ----------
+    clean
+        `noise_free(chain)` at the lines that represent the mean of the band.
+    """
+    shares = chain.setup.analyser.line_window.noise_shares(chain.n_in, len(chain.runs[0].responses))
+    return noise_densities(chain, clean) * shares
+
+
 def _autos(chain: Chain, clean: ComplexArray) -> FloatArray:
     """Return the auto spectra of all channels, (n_run, n_lines, n_ch), forces first."""
     n = chain.n_in
@@ -245,7 +257,7 @@ def _with_noise(
     all_lines = clean if all_lines is None else all_lines
     n, n_out = chain.n_in, len(chain.runs[0].responses)
     n_run, n_lines, _ = clean.shape
-    noise = noise_densities(chain, all_lines) * chain.setup.analyser.line_window.noise_shares(n, n_out)
+    noise = noise_in_lines(chain, all_lines)
     ff = clean[..., : n * n].reshape(n_run, n_lines, n, n).copy()
     ff[..., np.arange(n), np.arange(n)] += noise[:, None, :n]
     analyser = chain.setup.analyser

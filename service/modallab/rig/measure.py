@@ -25,7 +25,7 @@ from modallab.rig.compatibility import check_compatible
 from modallab.rig.distortion import check_first_order
 from modallab.rig.effect import Effect, build
 from modallab.rig.excitation import EXCITATIONS
-from modallab.rig.expected import expected_spectra, noise_densities, noise_free, with_noise
+from modallab.rig.expected import expected_spectra, noise_free, noise_in_lines, with_noise
 from modallab.rig.measurement import Measurement
 from modallab.rig.periodic import periodic_signals
 from modallab.rig.sampled import sampled_spectra
@@ -124,9 +124,7 @@ def draw(chain: Chain, rng: np.random.Generator) -> CrossSpectra:
     """Return spectra drawn from the sampling distribution of averages."""
     clean, steady = noise_free(chain), periodic_signals(chain)
     expected = with_noise(chain, clean)
-    n_out = len(chain.runs[0].responses)
-    noise_shares = chain.setup.analyser.line_window.noise_shares(chain.n_in, n_out)
-    noise = (noise_densities(chain, clean) * noise_shares)[:, 0]
+    noise = noise_in_lines(chain, clean)[:, 0]
     if steady is not None:
         return noncentral_wishart_spectra(expected, clean, noise, steady, rng)
     return wishart_spectra(expected, rng, signal=signal_of(expected, clean, noise))

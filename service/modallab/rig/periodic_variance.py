@@ -10,7 +10,7 @@ from modallab.estimation.coherence import coherence
 from modallab.estimation.estimators.h1 import h1
 from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.chain import Chain
-from modallab.rig.expected import noise_densities, noise_free
+from modallab.rig.expected import noise_free, noise_in_lines
 from modallab.rig.periodic import PeriodicSignal, periodic_signals
 from modallab.rig.wishart_periodic import gain_of
 
@@ -56,8 +56,7 @@ def periodic_factors(chain: Chain, spectra: CrossSpectra) -> VarianceFactors | N
     if signals is None:
         return None
     clean = noise_free(chain)
-    noise_shares = chain.setup.analyser.line_window.noise_shares(chain.n_in, len(chain.runs[0].responses))
-    noise = (noise_densities(chain, clean) * noise_shares)[:, 0]
+    noise = noise_in_lines(chain, clean)[:, 0]
     h, force = h1(spectra)[..., 0], spectra.ff[:, :, 0, 0].real
     incoherent = spectra.xx * (1 - coherence(spectra) + COMPARISON_ROUNDING)
     sizes = (

@@ -26,7 +26,8 @@ def limitations(measurement: Measurement, observed: Observed) -> tuple[str, ...]
     return (
         *_of_quantities(measurement),
         *_of_random_errors(measurement),
-        *_of_levels(FreeLevels.of(measurement.setup), observed),
+        *_of_levels(FreeLevels.of(measurement.setup, simulated=measurement.route is not None), observed),
+        *_of_noise_reference(observed),
         *_of_lines(observed),
     )
 
@@ -109,6 +110,18 @@ def _of_levels(levels: FreeLevels, observed: Observed) -> Iterator[str]:
         yield "the source's level is not declared: a force is compared beside a level fitted to it"
     if not observed.level_known:
         yield "neither level nor force spectrum: the size of a nonlinear force needs a level, and is not told"
+
+
+def _of_noise_reference(observed: Observed) -> Iterator[str]:
+    noise = observed.free_levels.expected_force_noise
+    if noise is None or observed.force is None:
+        return
+    ratio = float(observed.force.mean() / noise.force.mean())
+    if abs(np.log(ratio)) > LIMITATIONS.other_force:
+        yield (
+            f"the mean force spectrum is {ratio:.2g} times the expected one: noise of the force, stated as a "
+            "ratio, is fitted between that ratio to either"
+        )
 
 
 def _pairs(count: int) -> str:

@@ -88,6 +88,11 @@ class LimitationSettings(Settings):
     many_lines: float = setting(
         0.1, doc="share of the lines from which a limitation of lines is stated", tuned=TESTS
     )
+    other_force: float = setting(
+        0.1,
+        doc="logarithm of measured over expected mean force from which a ratio of noise is called unclear",
+        derived="below, a level of noise is uncertain by as much as the scatter of its estimate",
+    )
     max_pairs: int = setting(
         3, unit="pairs", doc="pairs of points named that are not reciprocal", derived="legibility"
     )

@@ -15,7 +15,12 @@ from modallab.diagnosis.predicting.coarse_prediction import CoarseBase, CoarsePr
 from modallab.diagnosis.predicting.model_state import DeviatingModel
 from modallab.diagnosis.predicting.prediction_budget import PredictionBudget, no_heartbeat
 from modallab.diagnosis.predicting.settings import PREDICTION
-from modallab.diagnosis.residuals.free_levels import at_level_of, with_levels_declared, with_measured_level
+from modallab.diagnosis.residuals.free_levels import (
+    at_level_of,
+    with_expected_force_noise,
+    with_levels_declared,
+    with_measured_level,
+)
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.predicted import Predicted, VarianceRatios
 from modallab.diagnosis.residuals.residual import Residual, residual
@@ -73,12 +78,22 @@ class SingleTestPredictor:
     ) -> "SingleTestPredictor":
         """Return the predictor of a first test."""
         model, setup = DeviatingModel.of(structure), with_measured_level(setup, observed)
-        return cls(model, setup, observed, heartbeat, budget or PredictionBudget())
+        predictor = cls(model, setup, observed, heartbeat, budget or PredictionBudget())
+        return predictor._with_expected_force_noise()
 
     def follow_up(self, setup: RigSetup, observed: Observed) -> "SingleTestPredictor":
         """Return the predictor of a further test, with the same model and effects named as in this one."""
         own, first = with_measured_level(setup, observed), self.setup
-        return SingleTestPredictor(self.model, own, observed, self.heartbeat, self.budget, first_setup=first)
+        predictor = SingleTestPredictor(
+            self.model, own, observed, self.heartbeat, self.budget, first_setup=first
+        )
+        return predictor._with_expected_force_noise()
+
+    def _with_expected_force_noise(self) -> "SingleTestPredictor":
+        def log_book_alone() -> Chain:
+            return chain(self.model.deviating_system, self.setup, self._acting(()))
+
+        return replace(self, observed=with_expected_force_noise(self.observed, log_book_alone, self.lines))
 
     def plan(self, setup: RigSetup) -> "SingleTestPredictor":
         """Return the predictor of a further test that is yet to be made, at all lines of its analyser."""

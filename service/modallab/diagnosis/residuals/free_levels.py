@@ -13,12 +13,13 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.numerics import COHERENCE_ROUNDING, SAFE_DIVISOR
+from modallab.diagnosis.residuals.noise_reference import ExpectedForceNoise, IncoherentSpectra
 from modallab.diagnosis.residuals.source_power import force_spectra
 from modallab.diagnosis.residuals.white_noise import NoiseData, WhiteNoise, fit_white_noise
 from modallab.estimation.settings import FORCE_NOISE
 from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.chain import Chain
-from modallab.rig.expected import expected_spectra
+from modallab.rig.expected import expected_spectra, noise_free, noise_in_lines, with_noise
 from modallab.rig.frf_channel import stands_for_response
 from modallab.rig.hardware import Noise, NoiseDensity
 from modallab.rig.setup import RigSetup
@@ -39,15 +40,33 @@ class FreeLevels:
     """White noise of the force channels, one level."""
     response_noise: bool = False
     """White noise of the response channels, a level each."""
+    noise_reference: bool = False
+    """To which force the ratio of its noise relates: the one measured, or the one expected."""
+    expected_force_noise: ExpectedForceNoise | None = None
+    """Noise at that ratio to the expected force; None if the ratio is to the one measured."""
 
     @classmethod
-    def of(cls, setup: RigSetup) -> "FreeLevels":
-        """Return the levels that a log book leaves open."""
+    def of(cls, setup: RigSetup, *, simulated: bool) -> "FreeLevels":
+        """Return the levels that a log book leaves open.
+
+        Parameters
+        ----------
+        simulated
+            Whether the test was made here, where ratios of noise are to the force that was measured.
+        """
         excitation, noise = setup.analyser.excitation, setup.noise
         free_shape = excitation.shape == "unknown"
-        return cls(
+        levels = cls(
             excitation.level is None or free_shape, free_shape, noise.force is None, noise.response is None
         )
+        one_force = setup.n_simultaneous == 1 and noise.force_ratio > 0
+        unclear = not simulated and one_force and not (levels.source or levels.noise)
+        return replace(levels, noise_reference=unclear)
+
+    def at(self, lines: IntArray) -> "FreeLevels":
+        """Return the levels at some of the measured lines, (n,) indices."""
+        noise = self.expected_force_noise
+        return self if noise is None else replace(self, expected_force_noise=noise.at(lines))
 
     @property
     def noise(self) -> bool:
@@ -73,6 +92,8 @@ class FreeLevels:
         start
             Noise of a prediction very much like this one, if it is known.
         """
+        if self.expected_force_noise is not None:
+            return self._with_force_noise(spectra, self.expected_force_noise, observed, lines)
         if not (self.source or self.noise):
             return spectra
         spectra = self.with_source(spectra, observed, lines)
@@ -127,6 +148,35 @@ class FreeLevels:
             response_noise=self.response_noise,
             start=start,
         )
+
+    @staticmethod
+    def _with_force_noise(
+        spectra: CrossSpectra,
+        expected_noise: ExpectedForceNoise,
+        observed: "Observed",
+        lines: IntArray | None,
+    ) -> CrossSpectra:
+        """Return expected spectra with noise of the force between both readings of its ratio."""
+        at_lines = spectra if lines is None else spectra.at(lines)
+        excess = expected_noise.excess(at_lines)
+        if excess is None:
+            return spectra
+        force, _, coherent = _coherent_parts(at_lines)
+        power = at_lines.xx.swapaxes(0, 1).reshape(coherent.shape)
+        measured, variance = _incoherent(observed, force[..., 0])
+        if measured is None or variance is None:
+            return spectra
+        incoherent = IncoherentSpectra(
+            measured,
+            observed.fitted / variance,
+            np.maximum(power - coherent, COHERENCE_ROUNDING * power),
+            coherent,
+        )
+        n_out = coherent.shape[1] // len(excess)
+        share = incoherent.fitted_share(np.repeat(excess, n_out) / force[..., 0])
+        changed = spectra.ff + share * excess[:, None, None, None]
+        # Lines that do not represent the mean of the band tell the noise at drop-outs approximately.
+        return replace(spectra, ff=np.maximum(changed.real, expected_noise.noise[:, None, None, None]))
 
 
 ALL_DECLARED = FreeLevels()
@@ -209,6 +259,26 @@ def with_measured_level(setup: RigSetup, observed: "Observed") -> RigSetup:
     ratio = observed.force[lines] / (unit[:, None] + SAFE_DIVISOR)
     excitation = replace(analyser.excitation, level=float(analyser.source_level * np.sqrt(np.median(ratio))))
     return replace(setup, analyser=replace(analyser, excitation=excitation))
+
+
+def with_expected_force_noise(
+    observed: "Observed", measuring_chain: Callable[[], Chain], lines: IntArray
+) -> "Observed":
+    """Return a measurement with the noise of the force at its ratio to the expected one, where it is needed.
+
+    Parameters
+    ----------
+    measuring_chain
+        Returns that of the log book, without a missing effect.
+    lines
+        (n,) indices of the measured lines.
+    """
+    if not observed.free_levels.noise_reference:
+        return observed
+    clean = noise_free(chain := measuring_chain())
+    force = with_noise(chain, clean).ff[:, lines, 0, 0].real
+    noise = ExpectedForceNoise(force, noise_in_lines(chain, clean)[:, 0])
+    return replace(observed, free_levels=replace(observed.free_levels, expected_force_noise=noise))
 
 
 def with_levels_declared(

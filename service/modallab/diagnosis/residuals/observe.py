@@ -76,7 +76,7 @@ def observe(measurement: Measurement, held_out: Sequence[FrfSelection], *, fract
     channels, lines = _held_out(spectra, held_out, fraction)
     compared = comparable_lines(analyser, spectra.freq, mean_kept=measurement.route is not None)
     usable = (g2 > FORCE_NOISE.min_coherence) & compared[:, None] & (np.abs(h) > 0)
-    free_levels = FreeLevels.of(measurement.setup)
+    free_levels = FreeLevels.of(measurement.setup, simulated=measurement.route is not None)
     shape_variances: FloatArray | None = None
     if free_levels.shape and force is not None:
         shown = np.asarray(usable.reshape(*force.shape, -1).any(axis=2))

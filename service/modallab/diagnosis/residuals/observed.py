@@ -164,6 +164,7 @@ class Observed:
             incoherent=_rows(self.incoherent, lines),
             incoherent_variance=_rows(self.incoherent_variance, lines),
             usable=self.usable[lines],
+            free_levels=self.free_levels.at(lines),
             held_out_lines=self.held_out_lines[lines],
             shared_noise=_rows(self.shared_noise, lines),
             response_once=None if self.response_once is None else self.response_once[lines],

@@ -158,6 +158,23 @@ class LineCorrelationSettings(Settings):
 
 
 @dataclass(frozen=True)
+class NoiseReferenceSettings(Settings):
+    """Noise of the force channels between two readings of its ratio."""
+
+    least_change: float = setting(
+        1e-3,
+        doc="change of the mean force, over itself, below which both readings are the same",
+        derived="a thousandth of a variance shows in two million independent data",
+    )
+    tolerance: float = setting(
+        1e-9, doc="last step of the fitted share", derived="smooth for differences of 1e-4"
+    )
+    max_iterations: int = setting(
+        30, unit="iterations", doc="largest number of steps", derived="10 are enough mostly"
+    )
+
+
+@dataclass(frozen=True)
 class FreeLevelSettings(Settings):
     """Fits of levels that no log book declares."""
 
@@ -202,5 +219,6 @@ class FreeLevelSettings(Settings):
 MAINS_LINES = MainsLineSettings()
 RANDOM_ERROR = RandomErrorSettings()
 FREE_LEVELS = FreeLevelSettings()
+NOISE_REFERENCE = NoiseReferenceSettings()
 RESIDUAL = ResidualSettings()
 LINE_CORRELATION = LineCorrelationSettings()

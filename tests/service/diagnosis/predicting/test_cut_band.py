@@ -26,7 +26,8 @@ def at(measurement: Measurement, lines: np.ndarray) -> Measurement:
     ("kind", "window"), [("periodic_random", "hann"), ("random", "hann"), ("pseudo_random", "rectangular")]
 )
 def test_lines_that_are_left_are_predicted_as_ever(kind: str, window: str) -> None:
-    whole = draw_measurement(rig(kind=kind, window=window), [HIDDEN])
+    # made here: of an imported test noise of the force is fitted to the lines that there are
+    whole = replace(draw_measurement(rig(kind=kind, window=window), [HIDDEN]), route="drawn")
     everywhere, _ = predicting(whole)
     predictor, _ = predicting(at(whole, KEPT))
     for some, every in (
