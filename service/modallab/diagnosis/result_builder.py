@@ -11,6 +11,7 @@ from modallab.core.place import Members
 from modallab.diagnosis.fitting.fit import Fit
 from modallab.diagnosis.optimisation.nuisances import FIELDS, Nuisances
 from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.predicting.unmeasured import unmeasured_inertance
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.residual import gap_error
 from modallab.diagnosis.result import (
@@ -142,7 +143,7 @@ def curves(
     predictor = predictor.tests[0]
     observed: Observed = predictor.observed
     fitted = predictor.with_nuisances_at(best.nuisance_position)
-    predicted = fitted.unmeasured_inertance(best.effects, unmeasured) if unmeasured else None
+    predicted = unmeasured_inertance(fitted, best.effects, unmeasured) if unmeasured else None
     initial, final = predictor.predict(()), fitted.predict(best.effects)
     by_dofs = FrfLayout.of(observed.channels, measurement.frf.outputs, measurement.frf.inputs).by_dofs
     held_out = by_dofs(observed.held_out)

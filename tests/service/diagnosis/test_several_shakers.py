@@ -17,6 +17,7 @@ from modallab.diagnosis.predicting.follow_up import FollowUp
 from modallab.diagnosis.predicting.held_out import select_held_out
 from modallab.diagnosis.predicting.limitations import limitations
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
+from modallab.diagnosis.predicting.unmeasured import unmeasured_inertance
 from modallab.diagnosis.reporting.report import report
 from modallab.diagnosis.residuals.frf_selection import FrfSelection
 from modallab.diagnosis.residuals.observe import observe
@@ -262,7 +263,7 @@ def test_frfs_at_unmeasured_points_are_those_of_the_model() -> None:
     setup = shakers()
     observed = observe(shaken_beam(setup), (), fraction=0.0)
     predictor = SingleTestPredictor.of(steel_beam(), setup, observed)
-    at_measured = predictor.unmeasured_inertance((), dofs(5, 9))
+    at_measured = unmeasured_inertance(predictor, (), dofs(5, 9))
     exact = replace(setup, noise=Noise())
     test = shaken_beam(exact, route=Route.EXPECTED)
     # accelerometers of 10 g sit where they were in both: rounding of matrices at resonances

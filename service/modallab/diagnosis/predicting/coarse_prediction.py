@@ -8,17 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
-from modallab.core.place import Channels
 from modallab.diagnosis.optimisation.fit_parameters import ParameterVector
 from modallab.diagnosis.optimisation.linear_nuisances import LinearNuisances, NuisanceProjection
 from modallab.diagnosis.optimisation.settings import NUISANCE
+from modallab.diagnosis.predicting.coarse_spectra import CoarseBase, CoarseSpectra
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.diagnosis.residuals.residual import inflation_weights, residual
-from modallab.diagnosis.residuals.white_noise import WhiteNoise
-from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.effect import Effect
-from modallab.rig.setup import RigSetup
 
 if TYPE_CHECKING:
     from modallab.diagnosis.predicting.predictor import Predictor
@@ -120,49 +117,6 @@ class CoarsePrediction:
 
 
 @dataclass(frozen=True, eq=False)
-class CoarseBase:
-    """Coarse spectra of one test with some effects, of which additions in single channels change few runs."""
-
-    effects: tuple[Effect, ...]
-    """The effects."""
-    spectra: CrossSpectra
-    """Their spectra, before free levels are fitted."""
-    noise: WhiteNoise | None
-    """Noise beside them, from which fits of free levels start."""
-
-    def changed_runs(self, effects: Sequence[Effect], setup: RigSetup) -> list[int] | None:
-        """Return the indices of the runs in which effects differ from the base; None: maybe in all.
-
-        A nonlinear force is linearised for all runs from the motion of the first one.
-        """
-        n = len(self.effects)
-        added = [effect.at for effect in effects[n:]]
-        known = tuple(effects[:n]) == self.effects
-        if not known or any(effect.on_motion() is not None for effect in effects):
-            return None
-        points = {point for at in added if isinstance(at, Channels) for point in at.points}
-        if not all(isinstance(at, Channels) for at in added):
-            return None
-        outputs = [{dof.point for dof in run.outputs} for run in setup.acquisition_runs]
-        return [i for i, measured in enumerate(outputs) if measured & points]
-
-    def batches(self, additions: Sequence[Effect], setup: RigSetup) -> list[dict[int, list[int] | None]]:
-        """Return additions that change separate runs together: their indices with the runs they change."""
-        batches: list[dict[int, list[int] | None]] = []
-        taken: list[set[int]] = []
-        for i, addition in enumerate(additions):
-            runs = self.changed_runs([*self.effects, addition], setup)
-            needed = set(range(len(setup.acquisition_runs)) if runs is None else runs)
-            place = next((k for k, others in enumerate(taken) if not others & needed), len(batches))
-            if place == len(batches):
-                batches.append({})
-                taken.append(set())
-            batches[place][i] = runs
-            taken[place] |= needed
-        return batches
-
-
-@dataclass(frozen=True, eq=False)
 class _CorrectedSpectra:
     """Coarse spectra of one test, times the ratio of exact to coarse ones without the addition.
 
@@ -170,7 +124,7 @@ class _CorrectedSpectra:
     cancels in the ratio.
     """
 
-    predictor: "SingleTestPredictor"
+    spectra: CoarseSpectra
     h: ComplexArray
     force: FloatArray
     incoherent: FloatArray
@@ -178,11 +132,11 @@ class _CorrectedSpectra:
 
     def predict(self, effects: Sequence[Effect]) -> Predicted:
         """Return the expected spectra at every `step`-th line with all these effects."""
-        return self._corrected(self.predictor.coarse(effects, self.base))
+        return self._corrected(self.spectra.predict(effects, self.base))
 
     def predict_each(self, additions: Sequence[Effect]) -> list[Predicted]:
         """Return the expected spectra at every `step`-th line with each of some additions."""
-        return [self._corrected(coarse) for coarse in self.predictor.coarse_each(additions, self.base)]
+        return [self._corrected(coarse) for coarse in self.spectra.predict_each(additions, self.base)]
 
     def _corrected(self, coarse: Predicted) -> Predicted:
         return Predicted(
@@ -195,11 +149,11 @@ class _CorrectedSpectra:
 
 def coarse_prediction(predictor: "SingleTestPredictor", base: Sequence[Effect]) -> CoarsePrediction:
     """Return coarse predictions of additions to base effects, exact without an addition."""
-    unmodified = predictor.coarse_base(base)
-    exact, coarse = predictor.predict(base), predictor.coarse(base, unmodified)
+    unmodified = predictor.coarse_spectra.base(base)
+    exact, coarse = predictor.predict(base), predictor.coarse_spectra.predict(base, unmodified)
     lines = predictor.coarse_places
     spectra = _CorrectedSpectra(
-        predictor,
+        predictor.coarse_spectra,
         exact.h[lines] / coarse.h,
         exact.force[lines] / coarse.force,
         exact.incoherent[lines] / coarse.incoherent,

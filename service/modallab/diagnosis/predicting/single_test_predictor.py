@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.arrays import ComplexArray, FloatArray, IntArray
-from modallab.core.dof import Dof
+from modallab.core.arrays import FloatArray, IntArray
 from modallab.diagnosis.optimisation.nuisances import Nuisances
-from modallab.diagnosis.predicting.coarse_prediction import CoarseBase, CoarsePrediction, coarse_prediction
+from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction, coarse_prediction
+from modallab.diagnosis.predicting.coarse_spectra import CoarseSpectra
 from modallab.diagnosis.predicting.model_state import DeviatingModel
 from modallab.diagnosis.predicting.prediction_budget import PredictionBudget, no_heartbeat
 from modallab.diagnosis.predicting.settings import PREDICTION
@@ -30,12 +30,11 @@ from modallab.fe.modes import ModalBasis
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.chain import Chain, chain
-from modallab.rig.channel import Channel
 from modallab.rig.distortion import ResidualSpectra, residual_spectra
 from modallab.rig.effect import Effect
 from modallab.rig.effects_in_other_test import effects_in_other_test
 from modallab.rig.excitation import EXCITATIONS
-from modallab.rig.expected import coarse_spectra, derivative_kernel, expected_spectra
+from modallab.rig.expected import derivative_kernel, expected_spectra
 from modallab.rig.leakage_kernel import LeakageKernel
 from modallab.rig.periodic_variance import VarianceFactors, periodic_factors
 from modallab.rig.record_correlation import correlated_excess_variance
@@ -91,7 +90,7 @@ class SingleTestPredictor:
 
     def _with_expected_force_noise(self) -> "SingleTestPredictor":
         def log_book_alone() -> Chain:
-            return chain(self.model.deviating_system, self.setup, self._acting(()))
+            return chain(self.model.deviating_system, self.setup, self.acting(()))
 
         return replace(self, observed=with_expected_force_noise(self.observed, log_book_alone, self.lines))
 
@@ -208,7 +207,7 @@ class SingleTestPredictor:
         measuring_chain = chain(
             self.model.deviating_system,
             self.setup,
-            self._acting(self._in_this_test(effects)),
+            self.acting(self._in_this_test(effects)),
             same_in_all_runs=same_in_all_runs,
             initial_rms=initial_rms,
             linearised=linearised,
@@ -227,7 +226,8 @@ class SingleTestPredictor:
             else effects_in_other_test(effects, self.first_setup, self.setup)
         )
 
-    def _acting(self, effects: Sequence[Effect]) -> list[Effect]:
+    def acting(self, effects: Sequence[Effect]) -> list[Effect]:
+        """Return the effects of the model and the deviations of its runs, then some effects."""
         return [*self.model.model_effects, *self.model.run_deviations, *effects]
 
     def predict(self, effects: Sequence[Effect]) -> Predicted:
@@ -313,55 +313,16 @@ class SingleTestPredictor:
     def with_frequency_shift(self, effects: Sequence[Effect], shift: float) -> Predicted:
         """Return the expected spectra with every natural frequency shifted by a ratio of itself."""
         system = self.model.deviating_system.scaled(stiffness=(1 + shift) ** 2)
-        return self._expected(chain(system, self.setup, self._acting(self._in_this_test(effects))))
-
-    def coarse(self, effects: Sequence[Effect], base: CoarseBase | None = None) -> Predicted:
-        """Return the expected spectra at every `step`-th line, leakage on a coarse grid.
-
-        Parameters
-        ----------
-        base
-            Of a prediction like this one; runs in which effects do not differ from it are its own.
-        """
-        start = None if base is None else base.noise
-        return Predicted.of(
-            self._coarse_observed.with_levels(self._coarse_spectra(effects, base), start=start)
-        )
-
-    def coarse_each(self, additions: Sequence[Effect], base: CoarseBase) -> list[Predicted]:
-        """Return `coarse` of the effects of a base with each of some additions.
-
-        Additions that change separate runs are predicted by one chain.
-        """
-        if self.first_setup is not None:
-            return [self.coarse([*base.effects, addition], base) for addition in additions]
-        predicted: dict[int, Predicted] = {}
-        for batch in base.batches(additions, self.setup):
-            together = self._coarse_spectra([*base.effects, *(additions[i] for i in batch)], base)
-            for i, runs in batch.items():
-                own = together if runs is None else base.spectra.with_runs(runs, together.of_runs(runs))
-                predicted[i] = Predicted.of(self._coarse_observed.with_levels(own, start=base.noise))
-        return [predicted[i] for i in range(len(additions))]
-
-    def coarse_base(self, effects: Sequence[Effect]) -> CoarseBase:
-        """Return the coarse spectra of some effects, for predictions of additions to them."""
-        spectra = self._coarse_spectra(effects)
-        return CoarseBase(tuple(effects), spectra, self._coarse_observed.white_noise(spectra))
+        return self._expected(chain(system, self.setup, self.acting(self._in_this_test(effects))))
 
     @cached_property
-    def _coarse_observed(self) -> Observed:
-        return self.observed if self.planned else self.observed.at(self.coarse_places)
+    def coarse_spectra(self) -> CoarseSpectra:
+        """Expected spectra at every `step`-th line."""
+        return CoarseSpectra(self, self.observed if self.planned else self.observed.at(self.coarse_places))
 
-    def _coarse_spectra(self, effects: Sequence[Effect], base: CoarseBase | None = None) -> CrossSpectra:
-        runs = None
-        if base is not None and self.first_setup is None:
-            runs = base.changed_runs(effects, self.setup)
-            if runs == []:
-                return base.spectra
-        share = len(self.coarse_lines) / len(self.lines)
-        coarse_chain = self.chain(effects, same_in_all_runs=True, share=share, runs=runs)
-        spectra = coarse_spectra(coarse_chain, self.step, self.coarse_lines)
-        return spectra if base is None or runs is None else base.spectra.with_runs(runs, spectra)
+    def coarse(self, effects: Sequence[Effect]) -> Predicted:
+        """Return the expected spectra at every `step`-th line, leakage on a coarse grid."""
+        return self.coarse_spectra.predict(effects)
 
     def coarse_prediction(self, effects: Sequence[Effect]) -> CoarsePrediction:
         """Return coarse predictions of additions to some effects."""
@@ -377,27 +338,3 @@ class SingleTestPredictor:
         frequency_max = self.setup.analyser.frequency_max
         basis = system.modes(frequency_max).elastic()
         return basis.elastic(max(1, int((basis.frequencies <= frequency_max).sum())))
-
-    def unmeasured_inertance(self, effects: Sequence[Effect], dofs: tuple[Dof, ...]) -> ComplexArray:
-        """Return the inertance (n_freq, n_dof, n_in), 1/kg, at DoFs that were not measured.
-
-        A roving accelerometer visits them; fixed ones stay where they are.
-        """
-        acting, system, freq = self._acting(effects), self.model.deviating_system, self.observed.freq
-        n_in, n_simultaneous = len(self.setup.drives), self.setup.n_simultaneous
-        if self.setup.accelerometers.roving:
-            visited = chain(system, replace(self.setup, responses=dofs), acting)
-            by_run = visited.respond(freq).inertance[:, :, 0]
-            by_blow = by_run.reshape(n_in // n_simultaneous, len(dofs), len(freq), n_simultaneous)
-            return np.asarray(by_blow.transpose(2, 1, 0, 3).reshape(len(freq), len(dofs), n_in))
-        runs = tuple(
-            replace(
-                run,
-                acquisition_run=replace(run.acquisition_run, outputs=dofs),
-                responses=tuple(map(Channel.ideal, dofs)),
-            )
-            for run in chain(system, self.setup, acting).runs
-        )
-        measuring_chain = replace(chain(system, self.setup), runs=runs)
-        by_run = measuring_chain.respond(freq).inertance
-        return np.asarray(by_run.transpose(1, 2, 0, 3).reshape(len(freq), len(dofs), n_in))

@@ -5,7 +5,7 @@ import pytest
 
 from modallab.core.dof import Dof
 from modallab.core.place import Channels
-from modallab.diagnosis.predicting.coarse_prediction import CoarseBase
+from modallab.diagnosis.predicting.coarse_spectra import CoarseBase
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.extra_mass import ExtraMass
@@ -46,9 +46,9 @@ def test_an_effect_of_one_channel_is_predicted_by_its_own_run(
 ) -> None:
     """As if all runs were predicted, but for the rounding of products of other sizes."""
     (test,) = predictor.tests
-    base = test.coarse_base([MASS])
+    base = test.coarse_spectra.base([MASS])
     assert base.changed_runs([MASS, added], test.setup) == runs
-    alone, all_runs = test.coarse([MASS, added], base), test.coarse([MASS, added])
+    alone, all_runs = test.coarse_spectra.predict([MASS, added], base), test.coarse([MASS, added])
     np.testing.assert_allclose(alone.h, all_runs.h, rtol=1e-9)
     np.testing.assert_allclose(
         alone.incoherent, all_runs.incoherent, rtol=1e-6, atol=1e-9 * np.max(alone.force)
@@ -65,7 +65,7 @@ def test_additions_in_separate_runs_are_predicted_together(predictor: Predictor)
         GainError(Channels((Dof(3, "Y"),)), 1.1),
     ]
     (test,) = predictor.tests
-    base = test.coarse_base([MASS])
+    base = test.coarse_spectra.base([MASS])
     batches = base.batches(additions, test.setup)
     assert batches == [{0: [2], 1: [3], 4: []}, {2: [3]}, {3: None}]
     prediction = predictor.coarse_prediction([MASS])
@@ -80,7 +80,7 @@ def test_additions_in_separate_runs_are_predicted_together(predictor: Predictor)
 
 def test_only_what_is_added_to_the_base_may_be_left_out(predictor: Predictor) -> None:
     (test,) = predictor.tests
-    base = test.coarse_base([MASS])
+    base = test.coarse_spectra.base([MASS])
     gain = GainError(Channels((FOURTH,)), 1.1)
     assert base.changed_runs([gain], test.setup) is None
     assert base.changed_runs([MASS.with_parameters({"mass": 0.06}), gain], test.setup) is None
