@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
+import numpy as np
 from scipy.special import chdtri
 
 from modallab.core.dof import Dof
@@ -158,13 +159,17 @@ class SearchTask:
             return None
         limit = ROUND.competitive_cost * fits[0].chi_square
         # Beside an effect that leaves noise alone, one that leaves far more is no rival.
-        n_least = 1 if is_noise_only(second.predictor, alone) else ROUND.min_fits
+        explained = is_noise_only(second.predictor, alone)
+        n_least = 1 if explained else ROUND.min_fits
         competitive = [one for i, one in enumerate(fits) if i < n_least or one.chi_square < limit]
-        predictor = second.predictor.with_nuisances_at(second.path.fit.starting_position)
+        position = alone.nuisance_position if explained else second.path.fit.starting_position
+        predictor = second.predictor.with_nuisances_at(position)
+        largest = ROUND.competitive_cost * alone.chi_square if explained else np.inf
 
         def refitted(single: Fit) -> Fit:
             same = _names(single.effects) == _names(alone.effects)
-            return alone if same else fit(predictor, single.effects, near=second.path.fit)
+            near = second.path.fit
+            return alone if same else fit(predictor, single.effects, near=near, largest=largest)
 
         return ranked_by_bic([refitted(single) for single in competitive])
 

@@ -4,6 +4,7 @@ Every fit also estimates the nuisance parameters under their prior; see `nuisanc
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 
@@ -92,6 +93,7 @@ def fit(
     *,
     fixed: Sequence[Effect] = (),
     near: Fit | None = None,
+    largest: float = np.inf,
 ) -> Fit:
     """Return the effects with all their parameters fitted together, from starts near the solution.
 
@@ -104,11 +106,13 @@ def fit(
         Effects that act but are not fitted.
     near
         Fit of the same data whose derivatives by nuisance parameters the first steps take.
+    largest
+        Chi-square of use: a fit that a few steps without new derivatives leave above it is given up.
     """
-    found = _fit(predictor, effects, fixed, near)
+    found = _fit(predictor, effects, fixed, near, largest)
     bursts = any(effect.intermittent for effect in effects)
     if bursts and found.chi_square < FIT.near_noise * found.n_data and _differ(effects, found.effects):
-        return _fit(predictor, found.effects, fixed, near)
+        return _fit(predictor, found.effects, fixed, near, largest)
     return found
 
 
@@ -124,12 +128,14 @@ def _differ(start: Sequence[Effect], final: Sequence[Effect]) -> bool:
     return any(not low / ratio < high < low * ratio for low, high in pairs)
 
 
-def _fit(predictor: Predictor, effects: Sequence[Effect], fixed: Sequence[Effect], near: Fit | None) -> Fit:
+def _fit(
+    predictor: Predictor, effects: Sequence[Effect], fixed: Sequence[Effect], near: Fit | None, largest: float
+) -> Fit:
     """Return `fit` with the random errors of the start."""
     plain, predictor = predictor, predictor.with_intermittent_errors([*fixed, *effects])
     known = None if near is None or predictor.observed is not plain.observed else near.nuisance_derivatives
     task = _FitTask(predictor, fixed, ParameterVector(effects), known)
-    start, derivatives = _minimised(task)
+    start, derivatives = _minimised(task, largest)
     fitted_residual, final, position = task.residuals[start.tobytes()], *task.at(start)
     observed = predictor.observed
     vector = fitted_residual.vector(observed.fitted)
@@ -164,8 +170,14 @@ def _fit(predictor: Predictor, effects: Sequence[Effect], fixed: Sequence[Effect
     )
 
 
-def _minimised(task: "_FitTask") -> tuple[FloatArray, FloatArray]:
-    """Return the position of the minimum, and the derivatives of the data's residuals there."""
+def _minimised(task: "_FitTask", largest: float) -> tuple[FloatArray, FloatArray]:
+    """Return the position of the minimum, and the derivatives of the data's residuals there.
+
+    Parameters
+    ----------
+    largest
+        Sum of squares above which the position after a few steps is returned.
+    """
     parameters, limits = task.parameters, task.predictor.nuisances.limits[task.free]
     start = np.concatenate([parameters.start, task.predictor.position[task.free]])
     if not len(start):
@@ -175,6 +187,16 @@ def _minimised(task: "_FitTask") -> tuple[FloatArray, FloatArray]:
     high = np.concatenate([parameters.high, limits])
     minimum = BoundedGaussNewton(task.vector, task.derivatives, start, (low, high))
     tolerated = len(task.free) * FIT.nuisance_tolerance
+    if np.isfinite(largest):
+        attempt = copy(minimum)
+        attempt.minimise(
+            evaluations=FIT.first_steps,
+            tolerance=FIT.coarse_tolerance + tolerated,
+            corrections=FIT.first_steps,
+            renewals=False,
+        )
+        if float(attempt.vector @ attempt.vector) > largest:
+            return attempt.position, attempt.jacobian[: len(attempt.vector) - len(task.free)]
     minimum.minimise(
         evaluations=FIT.max_evaluations,
         tolerance=FIT.coarse_tolerance + tolerated,

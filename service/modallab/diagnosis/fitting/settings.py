@@ -40,6 +40,12 @@ class FitSettings(Settings):
         doc="evaluations of a fit, and as many again where the residuals are nearly noise",
         tuned=TESTS,
     )
+    first_steps: int = setting(
+        8,
+        unit="evaluations",
+        doc="evaluations without new derivatives after which a fit far above another is given up",
+        tuned="a tolerated frame with 103 nuisance parameters: new derivatives cost as much as a hundred",
+    )
     parameters_per_correction: int = setting(
         8,
         unit="parameters",

@@ -52,6 +52,7 @@ class BoundedGaussNewton:
         weights: FloatArray | None = None,
         corrections: int = 1,
         prediction_error: float = 0.0,
+        renewals: bool = True,
     ) -> None:
         """Take steps until one predicts a gain below `tolerance`, in squared standard deviations.
 
@@ -67,12 +68,16 @@ class BoundedGaussNewton:
             Of the derivatives, at least, before steps that gain slowly renew them.
         prediction_error
             Loss below which two steps in a row that lose end the minimisation.
+        renewals
+            Whether derivatives may be renewed; if not, the minimisation ends where they would be.
         """
         trust_radius, last_gain, n_lost = LEAST_SQUARES.first_step, np.inf, 0
         for _ in range(evaluations):
             step, predicted_gain = self._step(trust_radius, weights)
             slow = predicted_gain > max(LEAST_SQUARES.slow_gain * last_gain, tolerance)
             if slow and self.corrections >= corrections:
+                if not renewals:
+                    return
                 self.renew()
                 step, predicted_gain = self._step(trust_radius, weights)
             last_gain = predicted_gain
@@ -97,6 +102,8 @@ class BoundedGaussNewton:
             if at_minimum:
                 return
             if self.corrections and not (successful and gain > LEAST_SQUARES.poor_gain * predicted_gain):
+                if not renewals:
+                    return
                 self.renew()
 
     def _evaluate(self, target: FloatArray) -> FloatArray | None:

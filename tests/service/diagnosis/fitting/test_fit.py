@@ -4,6 +4,8 @@ from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members
 from modallab.diagnosis.fitting.coarse_fit import coarse_fit
 from modallab.diagnosis.fitting.fit import fit
+from modallab.diagnosis.optimisation.nuisances import nuisance_parameters
+from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.effects.accelerometer_mass import AccelerometerMass
 from modallab.effects.cable_mass import CableMass
 from modallab.effects.gain_error import GainError
@@ -48,6 +50,30 @@ def test_two_effects_are_fitted_together() -> None:
     ):
         assert abs(effect.parameters[name] - value) < 4 * errors[name]  # four standard errors
     assert found.n_parameters == 2
+
+
+def test_a_fit_far_above_another_is_given_up_and_a_good_one_is_not() -> None:
+    true = StiffnessError(at=Members((3,)), factor=1.2)
+    predictor, _ = predicting(draw_measurement(rig(), [true]))
+    tolerances = Tolerances.of({"modulus": 0.01, "modal_loss_factor": 0.2, "modulus_variation": 0.005})
+    nuisances = nuisance_parameters(tolerances, predictor.system, predictor.setup)
+    predictor = predictor.with_nuisances(nuisances)
+    start, budget = fit(predictor, ()), predictor.budget
+    right = fit(predictor, [true.with_parameters({"factor": 1.1})], near=start)
+
+    def spent(kind: StiffnessError | GainError, largest: float) -> tuple[float, float]:
+        before = budget.spent
+        found = fit(predictor, [kind], near=start, largest=largest)
+        return budget.spent - before, found.chi_square
+
+    limit = 10 * right.chi_square
+    wrong = GainError(at=Channels((Dof(4, "Y"),)), factor=1.1)
+    given_up, chi_square = spent(wrong, limit)
+    assert chi_square > limit
+    # Two derivatives by its own parameter and eight steps, in place of derivatives by all of the tolerances.
+    assert given_up <= 12 < spent(wrong, np.inf)[0]
+    # One that comes below the limit goes on to the same minimum: to a tenth of a squared standard error.
+    assert abs(spent(true.with_parameters({"factor": 1.1}), limit)[1] - right.chi_square) < 0.1
 
 
 def test_a_parameter_stays_within_its_bounds() -> None:

@@ -47,6 +47,20 @@ def test_a_nonlinear_fit_comes_home_in_few_evaluations() -> None:
     assert problem.calls < 20
 
 
+def test_without_renewals_a_fit_ends_where_its_derivatives_mislead() -> None:
+    true = np.array([0.1, 0.2, 0.3])
+    problem = Counted(true)
+    far = np.array([1.5, -1.0, 1.2])  # two oscillations off: the first derivatives serve for a few steps
+    descent = BoundedGaussNewton(problem.residual, problem.derivatives, far, FREE)
+    first = float(descent.vector @ descent.vector)
+    descent.minimise(evaluations=8, tolerance=1e-4, corrections=8, renewals=False)
+    assert problem.calls <= 1 + 3 + 8  # the start, one Jacobian, a step each
+    assert float(descent.vector @ descent.vector) <= first
+    before = problem.calls
+    descent.minimise(evaluations=40, tolerance=1e-4)
+    assert problem.calls > before + 3  # it goes on with new derivatives
+
+
 def test_a_number_comes_to_lie_on_its_bound_and_the_others_make_the_best_of_it() -> None:
     true = np.array([0.1, 0.2, 0.3])
     bounds = (FREE[0], np.array([10.0, 0.1, 10.0]))
