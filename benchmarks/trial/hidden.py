@@ -11,7 +11,7 @@ from benchmarks.trial.rigs import Bench
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import DivergedError, ModalLabError
-from modallab.core.place import Place
+from modallab.core.place import Channels, Place
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observe import observe
 from modallab.estimation.spectra import CrossSpectra
@@ -179,7 +179,8 @@ def hide(
     if not places:
         raise ModalLabError(f"{kind} has no place on this rig")
     for _ in range(PLACES):
-        spread = [place for place in places if place is not None]
+        # All responses are a place that was added later: without it seeds draw what they drew.
+        spread = [place for place in places if place not in (None, Channels(bench.setup.responses))]
         everywhere = None in places and (not spread or rng.random() < SHARE_EVERYWHERE)
         place = None if everywhere else spread[int(rng.integers(len(spread)))]
         bare = cls(at=place).with_parameters(_besides(kind, place, bench, rng))

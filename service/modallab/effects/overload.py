@@ -77,7 +77,9 @@ class Overload(Effect):
         excitation = EXCITATIONS[setup.analyser.excitation.kind]
         if excitation.phases is not None or excitation.transient is not None:
             return ()  # what is expected of signals that are not Gaussian is no evidence
-        return (None, *(Channels((dof,)) for dof in setup.responses))
+        # A roving accelerometer has one amplifier: its range is that of all responses, not of the force.
+        all_responses = (Channels(setup.responses),) if len(setup.responses) > 1 else ()
+        return (None, *all_responses, *(Channels((dof,)) for dof in setup.responses))
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:

@@ -24,6 +24,7 @@ FIVE = Channels((Dof(5, "Y"),))
         MainsHum(ratio=0.03, frequency=60.0),
         MainsHum(FIVE, ratio=0.05),  # lines 20, 60, 100 and 140: even steps would hold out none of them
         Overload(level=1.5),
+        Overload(Channels(rig().responses), level=1.5),  # the one amplifier of a roving accelerometer
         Quantisation(step=0.1),
     ],
     ids=lambda effect: f"{effect.kind} {effect.at}",

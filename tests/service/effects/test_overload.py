@@ -132,5 +132,11 @@ def test_a_first_look_sees_what_every_line_sees() -> None:
 
 @pytest.mark.parametrize("excitation", ["impact", "burst_random", "chirp"])
 def test_it_is_not_suspected_where_signals_are_not_gaussian(excitation: str) -> None:
-    assert Overload.places(beam_system(), rig(1, 7)) == (None, Channels(dofs(1)), Channels(dofs(7)))
+    assert Overload.places(beam_system(), rig(1, 7)) == (
+        None,
+        Channels(dofs(1, 7)),
+        Channels(dofs(1)),
+        Channels(dofs(7)),
+    )
+    assert Overload.places(beam_system(), rig(7)) == (None, Channels(dofs(7)))
     assert not Overload.places(beam_system(), rig(1, 7, excitation=excitation))

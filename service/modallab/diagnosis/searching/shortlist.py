@@ -11,6 +11,7 @@ from modallab.core.place import Channels, Dofs, Members
 from modallab.core.progress import Progress
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
 from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.residual import residual
 from modallab.diagnosis.searching.modification_screen import ModificationScreen
 from modallab.diagnosis.searching.robust_cost import RobustCost, line_minimum_fraction
@@ -67,7 +68,7 @@ def shortlist(
     unscreened: dict[str, list[_UnscreenedPlace]] = {}
     for i, suspect in enumerate(suspects):
         progress(i / len(suspects), f"places of {suspect.kind}")
-        if _is_of_channels(suspect) and not _concerns(suspect, worst, untested):
+        if _is_of_channels(suspect, observed) and not _concerns(suspect, worst, untested):
             continue
         sizes = scan_sizes(suspect, suspect.scan_values(predictor.system, predictor.setup))
         place = (
@@ -180,10 +181,11 @@ def _likely(
     return [places[i] for i in np.unique(order)]
 
 
-def _is_of_channels(suspect: Effect) -> bool:
+def _is_of_channels(suspect: Effect, observed: Observed) -> bool:
     """Return whether an effect is of single channels: of responses, or of the force at one drive point."""
-    of_force = suspect.stage is Stage.CHANNEL and isinstance(suspect.at, Dof)
-    return of_force or isinstance(suspect.at, Channels)
+    if isinstance(suspect.at, Channels):
+        return not {dof.point for dof in observed.outputs} <= set(suspect.at.points)
+    return suspect.stage is Stage.CHANNEL and isinstance(suspect.at, Dof)
 
 
 def _concerns(suspect: Effect, worst: set[FrfChannel], untested: set[FrfChannel]) -> bool:
