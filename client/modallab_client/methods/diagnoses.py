@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
     from modallab_client._generated.models import Diagnosis, FittedParameter, NextTest, Step, Unknown
 
+_MOST_NAMED = 4  # places that are named one by one
+
 
 @dataclass(frozen=True, eq=False)
 class FrfCurves:
@@ -233,10 +235,14 @@ def place(at: str | Mapping[str, Any] | None) -> str:
         return "everywhere"
     if isinstance(at, str):
         return at
-    return "; ".join(
-        f"{name if len(where) > 1 else name.removesuffix('s')} {', '.join(map(str, where))}"
-        for name, where in at.items()
-    )
+    return "; ".join(_counted(name, list(map(str, where))) for name, where in at.items())
+
+
+def _counted(name: str, where: list[str]) -> str:
+    """Return a plural with what it counts: each by name, of many the number, the first and the last."""
+    if len(where) > _MOST_NAMED:
+        return f"{len(where)} {name}, {where[0]} to {where[-1]}"
+    return f"{name if len(where) > 1 else name.removesuffix('s')} {', '.join(where)}"
 
 
 def diagnosis_curves(arrays: Mapping[str, "NDArray[Any]"]) -> DiagnosisCurves:

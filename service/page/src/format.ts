@@ -46,10 +46,17 @@ export function words(name: string): string {
 
 export type Place = string | { members: number[] } | { channels: string[] } | { dofs: string[] } | null;
 
+const MOST_NAMED = 4;
+
+function channelText(channels: string[]): string {
+  if (channels.length > MOST_NAMED) return `${channels.length} channels, ${channels[0]} to ${channels.at(-1)}`;
+  return `${channels.length > 1 ? "channels" : "channel"} ${channels.join(", ")}`;
+}
+
 export function placeText(at: Place): string {
   if (at === null) return "everywhere";
   if (typeof at === "string") return `at ${at}`;
   if ("members" in at) return `${at.members.length > 1 ? "members" : "member"} ${at.members.join(", ")}`;
-  if ("channels" in at) return `${at.channels.length > 1 ? "channels" : "channel"} ${at.channels.join(", ")}`;
+  if ("channels" in at) return channelText(at.channels);
   return `at ${at.dofs.join(", ")}`;
 }

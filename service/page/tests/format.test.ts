@@ -23,6 +23,7 @@ test("numbers are short and have a true minus", () => {
 
 test("places are told in words", () => {
   expect(placeText(null)).toBe("everywhere");
+  expect(placeText({ channels: ["1:+Y", "2:+Y", "3:+Y", "4:+Y", "5:+Y"] })).toBe("5 channels, 1:+Y to 5:+Y");
   expect(placeText({ members: [3, 4] })).toBe("members 3, 4");
   expect(placeText({ channels: ["5:+Y"] })).toBe("channel 5:+Y");
 });

@@ -35,6 +35,9 @@ class ReportSettings(Settings):
         doc="relative random error of an FRF from which its axis does not follow it",
         derived="100 %: where the source has no power a measured FRF is noise alone",
     )
+    most_named: int = setting(
+        4, unit="channels", doc="channels of one effect that are named one by one", derived="legibility"
+    )
     fewest_lines: int = setting(
         10, unit="lines", doc="least lines on each side of the largest difference", derived="legibility"
     )

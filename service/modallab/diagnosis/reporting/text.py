@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, Dofs, Members, Place
+from modallab.diagnosis.reporting.settings import REPORT
 from modallab.diagnosis.result import (
     DetectionLimit,
     EquivalentEffect,
@@ -49,7 +50,10 @@ def place_name(place: Place) -> str:
     if isinstance(place, Members):
         return _counted("member", [str(number) for number in place.numbers])
     if isinstance(place, Channels):
-        return _counted("channel", [str(dof) for dof in place.dofs])
+        names = [str(dof) for dof in place.dofs]
+        if len(names) > REPORT.most_named:
+            return f"{len(names)} channels, {names[0]} to {names[-1]}"
+        return _counted("channel", names)
     if isinstance(place, Dofs):
         return enumeration([str(dof) for dof in place.dofs])
     return str(place)
