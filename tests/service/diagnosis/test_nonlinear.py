@@ -125,8 +125,8 @@ def test_errors_far_wider_than_the_residuals_explain_nothing(times: float, expla
 
 
 def test_errors_are_as_they_were_where_nothing_comes_in_bursts() -> None:
-    predictor, observed = predicting(draw_measurement(rig()))
-    assert predictor.with_intermittent_errors([]).observed is observed
+    predictor, _ = predicting(draw_measurement(rig()))
+    assert predictor.with_intermittent_errors([]).observed is predictor.observed
 
 
 def test_a_force_whose_size_is_known_to_a_factor_only_is_accepted_all_the_same() -> None:
