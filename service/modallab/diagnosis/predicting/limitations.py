@@ -116,7 +116,8 @@ def _of_noise_reference(observed: Observed) -> Iterator[str]:
     noise = observed.free_levels.expected_force_noise
     if noise is None or observed.force is None:
         return
-    ratio = float(observed.force.mean() / noise.force.mean())
+    lines = observed.usable.any(axis=1)
+    ratio = float(observed.force[lines].mean() / noise.force[:, lines].mean())
     if abs(np.log(ratio)) > LIMITATIONS.other_force:
         yield (
             f"the mean force spectrum is {ratio:.2g} times the expected one: noise of the force, stated as a "
