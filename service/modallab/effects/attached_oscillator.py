@@ -20,8 +20,9 @@ from modallab.rig.setup import AcquisitionRun, RigSetup
 @EFFECTS.register("attached_oscillator")
 @dataclass(frozen=True)
 class AttachedOscillator(Effect):
-    """Mass on a damped spring at one DoF: Z = -omega^2 m s / (s - omega^2 m), s = (2 pi f)^2 m (1 + i eta).
+    """Mass on a damped spring at one DoF: Z = -omega^2 m s / (s - omega^2 m).
 
+    s = (2 pi f)^2 m (1 + i eta) + i omega c with the viscous damper c = 4 pi f m zeta, by default none.
     Below its own frequency it acts as a mass, above it as a spring. At its own frequency the DoF stands
     still, and one resonance becomes two. Den Hartog, Mechanical Vibrations (1956), chapter 3 (the dynamic
     vibration absorber).
@@ -38,12 +39,21 @@ class AttachedOscillator(Effect):
         100.0, unit="Hz", lower=1e-3, upper=1e6, absent=None, doc="of the mass on its spring, DoF held"
     )
     loss_factor: float = parameter(0.05, unit="1", lower=1e-6, upper=2.0, absent=None, doc="of the spring")
+    damping_ratio: float = parameter(
+        0.0,
+        unit="1",
+        lower=0.0,
+        upper=1.0,
+        absent=None,
+        doc="of a viscous damper beside the spring",
+        optional_start=OSCILLATOR_SCAN.damping_ratio,
+    )
 
     def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
         assert isinstance(self.at, Dof)
         if self.mass == 0:
             return system
-        return system.add_oscillator(self.at, self.mass, self.frequency, self.loss_factor)
+        return system.add_oscillator(self.at, self.mass, self.frequency, self.loss_factor, self.damping_ratio)
 
     def check(self, structure: Structure, setup: RigSetup | None = None) -> None:
         """Raise unless it sits at a translation of the structure; see `Effect.check`."""

@@ -58,7 +58,9 @@ class AttachedSystem(SystemMatrices):
         """Return the system with a viscous damper, N s/m (N m s for a rotation), from a DoF to the ground."""
         return self._attach_at(dof, damper, viscous)
 
-    def add_oscillator(self, dof: Dof, mass: float, frequency: float, loss_factor: float) -> Self:
+    def add_oscillator(
+        self, dof: Dof, mass: float, frequency: float, loss_factor: float, damping_ratio: float = 0.0
+    ) -> Self:
         """Return the system with a mass, kg, on a damped spring attached to a DoF.
 
         Parameters
@@ -67,8 +69,10 @@ class AttachedSystem(SystemMatrices):
             Hz, of the mass on its spring when the DoF is fixed.
         loss_factor
             Of the spring.
+        damping_ratio
+            Of a viscous damper beside the spring.
         """
-        return self._attach_at(dof, oscillator, mass, frequency, loss_factor)
+        return self._attach_at(dof, oscillator, mass, frequency, loss_factor, damping_ratio)
 
     def _attach_at(self, dof: Dof, make: Callable[..., Attachment], *numbers: float) -> Self:
         """Return the system with an attachment at a DoF, made from the DoF's column and some numbers."""

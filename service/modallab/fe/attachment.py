@@ -102,10 +102,14 @@ def damper(column: FloatArray, viscous: float) -> Attachment:
     return Attachment(column, viscous=np.array([[viscous]]))
 
 
-def oscillator(column: FloatArray, mass: float, frequency: float, loss_factor: float) -> Attachment:
+def oscillator(
+    column: FloatArray, mass: float, frequency: float, loss_factor: float, damping_ratio: float = 0.0
+) -> Attachment:
     """Return a mass, kg, on a damped spring attached to a motion (n, 1); Hz, with that motion fixed."""
-    between = (2 * np.pi * frequency) ** 2 * mass * np.array([[1.0, -1.0], [-1.0, 1.0]])
-    return Attachment(column, np.diag([0.0, mass]), between, loss_factor * between, inner=1)
+    omega = 2 * np.pi * frequency
+    between = omega**2 * mass * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    viscous = 2 * damping_ratio / omega * between if damping_ratio else None
+    return Attachment(column, np.diag([0.0, mass]), between, loss_factor * between, viscous, inner=1)
 
 
 def _condensed(z: ComplexArray, inner: int) -> ComplexArray:

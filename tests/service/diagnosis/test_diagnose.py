@@ -9,6 +9,7 @@ from modallab.core.place import Members
 from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.result import Verdict
 from modallab.effects.accelerometer_mass import AccelerometerMass
+from modallab.effects.attached_oscillator import AttachedOscillator
 from modallab.effects.exciter_armature import ExciterArmature
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.force_noise import ForceNoise
@@ -174,3 +175,21 @@ def test_where_something_stays_unexplained_no_effect_is_sure() -> None:
     )
     assert found.verdict is Verdict.UNEXPLAINED
     assert all(step.probability <= 0.5 for step in found.steps)
+
+
+@pytest.mark.parametrize(("loss_factor", "damping_ratio"), [(0.05, 0.0), (1e-6, 0.03)])
+def test_an_oscillator_is_told_with_the_kind_of_its_damping(loss_factor: float, damping_ratio: float) -> None:
+    hidden = AttachedOscillator(Dof(4, "Y"), 0.03, 120.0, loss_factor, damping_ratio)
+    found = diagnose(
+        model(),
+        draw_measurement(rig(), [hidden]),
+        suspects=["attached_oscillator", "extra_mass"],
+        max_effects=1,
+    )
+    assert found.verdict is Verdict.EXPLAINED
+    (step,) = found.steps
+    assert (step.effect.kind, step.effect.at) == ("attached_oscillator", hidden.at)
+    for name, value in (("mass", 0.03), ("frequency", 120.0), ("damping_ratio", damping_ratio)):
+        fitted = step.effect.parameters[name]
+        # four standard errors; without a damper the fit has none, and no error of it
+        assert abs(fitted.value - value) <= 4 * fitted.standard_error, name

@@ -20,7 +20,9 @@ SYSTEM = beam_system()
 SHOT = AcquisitionRun(dofs(1), dofs(1, 7, 16))
 
 
-def by_hand(system: DynamicSystem, at: Dof, m: float, f: float, eta: float, freq: FloatArray) -> ComplexArray:
+def by_hand(
+    system: DynamicSystem, at: Dof, m: float, f: float, eta: float, zeta: float, freq: FloatArray
+) -> ComplexArray:
     """Receptance of nodes 1, 7, 16 to a force at 1, the oscillator a row of the matrices, line by line."""
     n, i = len(system.dofs), system.index(at)
     mass, stiffness = np.zeros((n + 1, n + 1)), np.zeros((n + 1, n + 1), complex)
@@ -28,20 +30,30 @@ def by_hand(system: DynamicSystem, at: Dof, m: float, f: float, eta: float, freq
     mass[:n, :n] = system.mass.toarray()
     stiffness[:n, :n] = system.stiffness.toarray() + 1j * system.damping.toarray()
     mass[n, n] = m
-    k = m * (2 * np.pi * f) ** 2 * (1 + 1j * eta)
-    stiffness[np.ix_([i, n], [i, n])] += k * np.array([[1, -1], [-1, 1]])
+    k, c = m * (2 * np.pi * f) ** 2 * (1 + 1j * eta), 2 * zeta * m * 2 * np.pi * f
+    between = np.array([[1, -1], [-1, 1]])
+    stiffness[np.ix_([i, n], [i, n])] += k * between
+    damper = np.zeros((n + 1, n + 1), complex)
+    damper[np.ix_([i, n], [i, n])] = c * between
     force = np.eye(n + 1)[:, system.index(Dof(1, "Y"))]
     rows = [system.index(dof) for dof in dofs(1, 7, 16)]
-    return np.array([np.linalg.solve(stiffness - (2 * np.pi * w) ** 2 * mass, force)[rows] for w in freq])
+    omega = 2 * np.pi * freq
+    matrices = (stiffness + 1j * w * damper - w**2 * mass for w in omega)
+    return np.array([np.linalg.solve(matrix, force)[rows] for matrix in matrices])
 
 
-@pytest.mark.parametrize(("mass", "frequency", "loss_factor"), [(0.3, 65.0, 0.01), (0.02, 300.0, 0.3)])
-def test_it_is_an_extra_degree_of_freedom(mass: float, frequency: float, loss_factor: float) -> None:
-    effect = AttachedOscillator(Dof(9, "Y"), mass, frequency, loss_factor)
+@pytest.mark.parametrize(
+    ("mass", "frequency", "loss_factor", "damping_ratio"),
+    [(0.3, 65.0, 0.01, 0.0), (0.02, 300.0, 0.3, 0.0), (0.05, 120.0, 1e-3, 0.02)],
+)
+def test_it_is_an_extra_degree_of_freedom(
+    mass: float, frequency: float, loss_factor: float, damping_ratio: float
+) -> None:
+    effect = AttachedOscillator(Dof(9, "Y"), mass, frequency, loss_factor, damping_ratio)
     freq = np.linspace(5.0, 800.0, 160)
     found = chain(SYSTEM, rig(1, 7, 16), [effect]).respond(freq).inertance[0, :, :, 0]
     wanted = -((2 * np.pi * freq[:, None]) ** 2) * by_hand(
-        SYSTEM, Dof(9, "Y"), mass, frequency, loss_factor, freq
+        SYSTEM, Dof(9, "Y"), mass, frequency, loss_factor, damping_ratio, freq
     )
     # rounding: 1e-16 times the ratio of the beam's eigenvalues, 1e6
     np.testing.assert_allclose(found, wanted, rtol=1e-7, atol=1e-9 * np.abs(wanted).max())
