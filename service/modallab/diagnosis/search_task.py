@@ -10,7 +10,7 @@ from scipy.special import chdtri
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.progress import Progress, Pulse, part
-from modallab.diagnosis.fitting.fit import Fit, fit
+from modallab.diagnosis.fitting.fit import Fit, fit, with_optional_parameters
 from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.optimisation.nuisances import Nuisances, nuisance_parameters
 from modallab.diagnosis.optimisation.tolerances import Tolerances
@@ -55,7 +55,8 @@ class SearchResult:
     def with_effects(self, effects: tuple[Effect, ...]) -> Fit:
         """Return a fit that starts from effects and the fit found; the same again for equal effects."""
         if effects not in self._fits:
-            self._fits[effects] = fit(self.predictor, effects, near=self.path.fit)
+            found = fit(self.predictor, effects, near=self.path.fit)
+            self._fits[effects] = with_optional_parameters(self.predictor, found, self.path.fit)
         return self._fits[effects]
 
     @cached_property
@@ -168,8 +169,14 @@ class SearchTask:
 
         def refitted(single: Fit) -> Fit:
             same = _names(single.effects) == _names(alone.effects)
-            near = second.path.fit
-            return alone if same else fit(predictor, single.effects, near=near, largest=largest)
+            if same:
+                return alone
+            found = fit(predictor, single.effects, near=second.path.fit, largest=largest)
+            return (
+                found
+                if found.chi_square > largest
+                else with_optional_parameters(predictor, found, second.path.fit)
+            )
 
         return ranked_by_bic([refitted(single) for single in competitive])
 

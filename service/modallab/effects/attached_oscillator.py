@@ -1,13 +1,13 @@
 """Attached oscillator: a part with a resonance of its own."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import ClassVar
+from dataclasses import dataclass, replace
+from typing import ClassVar, Self
 
 import numpy as np
 
 from modallab.core.dof import Dof
-from modallab.core.parameters import parameter
+from modallab.core.parameters import ParameterSpec, parameter
 from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
 from modallab.effects.settings import OSCILLATOR_SCAN
@@ -46,7 +46,6 @@ class AttachedOscillator(Effect):
         upper=1.0,
         absent=None,
         doc="of a viscous damper beside the spring",
-        optional_start=OSCILLATOR_SCAN.damping_ratio,
     )
 
     def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
@@ -54,6 +53,18 @@ class AttachedOscillator(Effect):
         if self.mass == 0:
             return system
         return system.add_oscillator(self.at, self.mass, self.frequency, self.loss_factor, self.damping_ratio)
+
+    def with_optional_parameters(self) -> Self:
+        """Return the oscillator with a viscous damper in place of the loss of its spring."""
+        if self.damping_ratio > 0:
+            return self
+        lossless = self.specs()["loss_factor"].lower
+        return replace(self, loss_factor=lossless, damping_ratio=self.loss_factor / 2)
+
+    def fitted_specs(self) -> list[tuple[str, ParameterSpec, float]]:
+        """Return what a fit varies: the loss of the spring, or the viscous damper in its place."""
+        fixed = "loss_factor" if self.damping_ratio > 0 else "damping_ratio"
+        return [fitted for fitted in super().fitted_specs() if fitted[0] != fixed]
 
     def check(self, structure: Structure, setup: RigSetup | None = None) -> None:
         """Raise unless it sits at a translation of the structure; see `Effect.check`."""

@@ -18,12 +18,6 @@ class OscillatorScan(Settings):
         doc="step of trial frequencies over the top of the band",
         derived="oscillator of that frequency in every part of the band",
     )
-    damping_ratio: float = setting(
-        0.01,
-        unit="1",
-        doc="damping ratio from which a fit of an oscillator with a viscous damper starts",
-        derived="little: how much it is follows from the lines about the resonance",
-    )
 
 
 @dataclass(frozen=True)

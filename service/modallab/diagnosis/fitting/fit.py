@@ -116,6 +116,23 @@ def fit(
     return found
 
 
+def with_optional_parameters(predictor: Predictor, candidate: Fit, near: Fit) -> Fit:
+    """Return a fit with the optional parameters of its last effect too, if they are worth it by BIC.
+
+    Parameters
+    ----------
+    near
+        As in `fit`.
+    """
+    if not candidate.effects:
+        return candidate
+    *others, effect = candidate.effects
+    extended = effect.with_optional_parameters()
+    if extended == effect:
+        return candidate
+    return min(candidate, fit(predictor, (*others, extended), near=near), key=lambda found: found.bic)
+
+
 def _differ(start: Sequence[Effect], final: Sequence[Effect]) -> bool:
     """Return whether effects in bursts have other parameters, far enough for other random errors."""
     pairs = [

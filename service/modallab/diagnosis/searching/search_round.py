@@ -11,7 +11,7 @@ from modallab.core.errors import InvalidInputError
 from modallab.core.place import Members
 from modallab.core.progress import Progress, part, silent
 from modallab.diagnosis.fitting.coarse_fit import coarse_fit
-from modallab.diagnosis.fitting.fit import Fit, fit
+from modallab.diagnosis.fitting.fit import Fit, fit, with_optional_parameters
 from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.diagnosis.predicting.predictor import Predictor
@@ -190,18 +190,10 @@ class _Round:
         self._fitted.add(kind_and_place(effect))
         with suppress(InvalidInputError):
             candidate = fit(self._predictor, (*self._accepted, effect), near=self._base)
-            candidate = self._with_optional_parameters(candidate)
+            candidate = with_optional_parameters(self._predictor, candidate, self._base)
             self.fits.append(candidate)
             if ROUND.hopeless_cost * cost < self._max_cost and self._explains(candidate):
                 self._max_cost, self.explanation = ROUND.hopeless_cost * cost, effect
-
-    def _with_optional_parameters(self, candidate: Fit) -> Fit:
-        """Return a fit with the optional parameters of its last effect too, if they are worth it."""
-        *others, effect = candidate.effects
-        extended = effect.with_optional_parameters()
-        if extended == effect:
-            return candidate
-        return min(candidate, fit(self._predictor, (*others, extended), near=self._base), key=_bic)
 
     def _explains(self, candidate: Fit) -> bool:
         # Gaps cost more than a fit where power leaks, and only those of fits near the data matter.
