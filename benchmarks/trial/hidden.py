@@ -179,8 +179,10 @@ def hide(
     if not places:
         raise ModalLabError(f"{kind} has no place on this rig")
     for _ in range(PLACES):
-        # All responses are a place that was added later: without it seeds draw what they drew.
-        spread = [place for place in places if place not in (None, Channels(bench.setup.responses))]
+        spread = [place for place in places if place is not None]
+        if kind == "overload" and len(bench.setup.responses) > 1:
+            # All responses are a place that was added later: without it seeds draw what they drew.
+            spread.remove(Channels(bench.setup.responses))
         everywhere = None in places and (not spread or rng.random() < SHARE_EVERYWHERE)
         place = None if everywhere else spread[int(rng.integers(len(spread)))]
         bare = cls(at=place).with_parameters(_besides(kind, place, bench, rng))

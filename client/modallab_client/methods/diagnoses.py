@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from modallab_client._generated.models import Diagnosis, FittedParameter, NextTest, Step, Unknown
 
-_MOST_NAMED = 4  # places that are named one by one
+_MOST_NAMED = 4  # channels that are named one by one
 
 
 @dataclass(frozen=True, eq=False)
@@ -239,8 +239,8 @@ def place(at: str | Mapping[str, Any] | None) -> str:
 
 
 def _counted(name: str, where: list[str]) -> str:
-    """Return a plural with what it counts: each by name, of many the number, the first and the last."""
-    if len(where) > _MOST_NAMED:
+    """Return a plural with what it counts, each by name; of many channels number, first and last."""
+    if name == "channels" and len(where) > _MOST_NAMED:
         return f"{len(where)} {name}, {where[0]} to {where[-1]}"
     return f"{name if len(where) > 1 else name.removesuffix('s')} {', '.join(where)}"
 
