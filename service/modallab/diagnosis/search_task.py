@@ -165,16 +165,16 @@ class SearchTask:
         competitive = [one for i, one in enumerate(fits) if i < n_least or one.chi_square < limit]
         position = alone.nuisance_position if explained else second.path.fit.starting_position
         predictor = second.predictor.with_nuisances_at(position)
-        largest = ROUND.competitive_cost * alone.chi_square if explained else np.inf
+        max_chi_square = ROUND.competitive_cost * alone.chi_square if explained else np.inf
 
         def refitted(single: Fit) -> Fit:
             same = _names(single.effects) == _names(alone.effects)
             if same:
                 return alone
-            found = fit(predictor, single.effects, near=second.path.fit, largest=largest)
+            found = fit(predictor, single.effects, near=second.path.fit, max_chi_square=max_chi_square)
             return (
                 found
-                if found.chi_square > largest
+                if found.chi_square > max_chi_square
                 else with_optional_parameters(predictor, found, second.path.fit)
             )
 

@@ -93,7 +93,7 @@ def fit(
     *,
     fixed: Sequence[Effect] = (),
     near: Fit | None = None,
-    largest: float = np.inf,
+    max_chi_square: float = np.inf,
 ) -> Fit:
     """Return the effects with all their parameters fitted together, from starts near the solution.
 
@@ -106,13 +106,13 @@ def fit(
         Effects that act but are not fitted.
     near
         Fit of the same data whose derivatives by nuisance parameters the first steps take.
-    largest
+    max_chi_square
         Chi-square of use: a fit that a few steps without new derivatives leave above it is given up.
     """
-    found = _fit(predictor, effects, fixed, near, largest)
+    found = _fit(predictor, effects, fixed, near, max_chi_square)
     bursts = any(effect.intermittent for effect in effects)
     if bursts and found.chi_square < FIT.near_noise * found.n_data and _differ(effects, found.effects):
-        return _fit(predictor, found.effects, fixed, near, largest)
+        return _fit(predictor, found.effects, fixed, near, max_chi_square)
     return found
 
 
@@ -146,13 +146,17 @@ def _differ(start: Sequence[Effect], final: Sequence[Effect]) -> bool:
 
 
 def _fit(
-    predictor: Predictor, effects: Sequence[Effect], fixed: Sequence[Effect], near: Fit | None, largest: float
+    predictor: Predictor,
+    effects: Sequence[Effect],
+    fixed: Sequence[Effect],
+    near: Fit | None,
+    max_chi_square: float,
 ) -> Fit:
     """Return `fit` with the random errors of the start."""
     plain, predictor = predictor, predictor.with_intermittent_errors([*fixed, *effects])
     known = None if near is None or predictor.observed is not plain.observed else near.nuisance_derivatives
     task = _FitTask(predictor, fixed, ParameterVector(effects), known)
-    start, derivatives = _minimised(task, largest)
+    start, derivatives = _minimised(task, max_chi_square)
     fitted_residual, final, position = task.residuals[start.tobytes()], *task.at(start)
     observed = predictor.observed
     vector = fitted_residual.vector(observed.fitted)
@@ -187,12 +191,12 @@ def _fit(
     )
 
 
-def _minimised(task: "_FitTask", largest: float) -> tuple[FloatArray, FloatArray]:
+def _minimised(task: "_FitTask", max_chi_square: float) -> tuple[FloatArray, FloatArray]:
     """Return the position of the minimum, and the derivatives of the data's residuals there.
 
     Parameters
     ----------
-    largest
+    max_chi_square
         Sum of squares above which the position after a few steps is returned.
     """
     parameters, limits = task.parameters, task.predictor.nuisances.limits[task.free]
@@ -204,7 +208,7 @@ def _minimised(task: "_FitTask", largest: float) -> tuple[FloatArray, FloatArray
     high = np.concatenate([parameters.high, limits])
     minimum = BoundedGaussNewton(task.vector, task.derivatives, start, (low, high))
     tolerated = len(task.free) * FIT.nuisance_tolerance
-    if np.isfinite(largest):
+    if np.isfinite(max_chi_square):
         attempt = copy(minimum)
         attempt.minimise(
             evaluations=FIT.first_steps,
@@ -212,7 +216,7 @@ def _minimised(task: "_FitTask", largest: float) -> tuple[FloatArray, FloatArray
             corrections=FIT.first_steps,
             renewals=False,
         )
-        if float(attempt.vector @ attempt.vector) > largest:
+        if float(attempt.vector @ attempt.vector) > max_chi_square:
             return attempt.position, attempt.jacobian[: len(attempt.vector) - len(task.free)]
     minimum.minimise(
         evaluations=FIT.max_evaluations,

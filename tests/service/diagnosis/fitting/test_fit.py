@@ -61,9 +61,9 @@ def test_a_fit_far_above_another_is_given_up_and_a_good_one_is_not() -> None:
     start, budget = fit(predictor, ()), predictor.budget
     right = fit(predictor, [true.with_parameters({"factor": 1.1})], near=start)
 
-    def spent(kind: StiffnessError | GainError, largest: float) -> tuple[float, float]:
+    def spent(kind: StiffnessError | GainError, max_chi_square: float) -> tuple[float, float]:
         before = budget.spent
-        found = fit(predictor, [kind], near=start, largest=largest)
+        found = fit(predictor, [kind], near=start, max_chi_square=max_chi_square)
         return budget.spent - before, found.chi_square
 
     limit = 10 * right.chi_square
