@@ -6,7 +6,7 @@ import tempfile
 from pathlib import Path
 from typing import Protocol
 
-from modallab.store.base import StoredDataError
+from modallab.store.base import MissingFileError, StoredDataError
 
 
 class ArrayFiles(Protocol):
@@ -17,7 +17,7 @@ class ArrayFiles(Protocol):
         ...
 
     def get(self, id: str, digest: str) -> bytes:
-        """Return an array file; `StoredDataError` if it is gone, or is not what was put."""
+        """Return an array file; `MissingFileError` if it is gone, `StoredDataError` if it is damaged."""
         ...
 
     def remove(self, id: str, digest: str) -> None:
@@ -62,11 +62,11 @@ class FolderArrays:
         return digest
 
     def get(self, id: str, digest: str) -> bytes:
-        """Return an array file; `StoredDataError` if it is gone, or is not what was put."""
+        """Return an array file; `MissingFileError` if it is gone, `StoredDataError` if it is damaged."""
         try:
             payload = self._path(id, digest).read_bytes()
         except FileNotFoundError:
-            raise StoredDataError("the array file is gone", id=id) from None
+            raise MissingFileError("the array file is gone", id=id) from None
         if hashlib.sha256(payload).hexdigest() != digest:
             raise StoredDataError("the array file is damaged", id=id)
         return payload

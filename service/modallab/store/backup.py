@@ -13,7 +13,7 @@ import sqlalchemy as sa
 import modallab
 from modallab.core.errors import InvalidInputError
 from modallab.store.arrays import FolderArrays
-from modallab.store.base import StoredDataError
+from modallab.store.base import MissingFileError, StoredDataError
 from modallab.store.migrate import migrate, newest_revision, revision_of
 from modallab.store.place import StorePlace, engine_of
 from modallab.store.tables import EXECUTORS, METADATA
@@ -89,9 +89,11 @@ def _copied(archive: tarfile.TarFile, files: FolderArrays, copied: set[str], id:
     """Copy an array file unless it was, and tell whether it is there."""
     name = f"{_ARRAYS}/{id}.{digest}"
     if name not in copied:
-        if not files.size(id, digest):
+        try:
+            payload = files.get(id, digest)
+        except MissingFileError:
             return False
-        _add(archive, name, files.get(id, digest))
+        _add(archive, name, payload)
         copied.add(name)
     return True
 

@@ -46,6 +46,10 @@ class StoredDataError(ModalLabError):
     code = "stored_data"
 
 
+class MissingFileError(StoredDataError):
+    """An array file is gone: lost, or just removed with the thing that it belongs to."""
+
+
 @dataclass(frozen=True)
 class Entry:
     """What is known of a stored thing without reading it: enough to make it again."""

@@ -13,7 +13,7 @@ from sqlalchemy.exc import IntegrityError
 import modallab
 from modallab.core.errors import NotFoundError
 from modallab.store.arrays import ArrayFiles
-from modallab.store.base import Description, Entry, ForbiddenError, InUseError
+from modallab.store.base import Description, Entry, ForbiddenError, InUseError, MissingFileError
 from modallab.store.codec import CODECS, Codec
 from modallab.store.npz import pack, unpack
 from modallab.store.projects import SqlProjects
@@ -103,7 +103,7 @@ class SqlShelf(Generic[T]):
     def get(self, id: str) -> T:
         """Return a thing."""
         row = self._row(id, THINGS.c.body, THINGS.c.arrays_hash)
-        arrays = unpack(self._files.get(id, row.arrays_hash)) if row.arrays_hash else {}
+        arrays = unpack(self._array_file(id, row.arrays_hash)) if row.arrays_hash else {}
         return self._codec.put_together(row.body, arrays)
 
     def request(self, id: str) -> Mapping[str, Any] | None:
@@ -170,7 +170,14 @@ class SqlShelf(Generic[T]):
     def npz(self, id: str) -> bytes:
         """Return a thing's arrays as they lie in the store."""
         digest = self._row(id, THINGS.c.arrays_hash).arrays_hash
-        return self._files.get(id, digest) if digest else pack({})
+        return self._array_file(id, digest) if digest else pack({})
+
+    def _array_file(self, id: str, digest: str) -> bytes:
+        try:
+            return self._files.get(id, digest)
+        except MissingFileError:
+            self.check(id)  # another may just have removed the thing
+            raise
 
     def discard(self, id: str) -> None:
         """Move a thing to the trash."""

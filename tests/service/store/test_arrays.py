@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from modallab.store.arrays import FolderArrays
-from modallab.store.base import StoredDataError
+from modallab.store.base import MissingFileError, StoredDataError
 
 
 def test_a_file_comes_back_until_it_is_removed(tmp_path: Path) -> None:
@@ -15,7 +15,7 @@ def test_a_file_comes_back_until_it_is_removed(tmp_path: Path) -> None:
     assert files.get("abc", digest) == b"payload"
     files.remove("abc", digest)
     files.remove("abc", digest)
-    with pytest.raises(StoredDataError):
+    with pytest.raises(MissingFileError):
         files.get("abc", digest)
 
 

@@ -14,6 +14,7 @@ from modallab.core.errors import InvalidInputError
 from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.synthetic_modes import exact_modes
+from modallab.store.arrays import FolderArrays
 from modallab.store.backup import back_up, restore
 from modallab.store.base import StoredDataError
 from modallab.store.migrate import migrate, revision_of
@@ -105,6 +106,25 @@ def test_a_backup_under_load_is_of_one_moment(place: StorePlace, empty: StorePla
         if here.modal_models.holds(id):
             assert there.modal_models.npz(id) == here.modal_models.npz(id)
             assert there.modal_models.entry(id) == here.modal_models.entry(id)
+
+
+def test_what_is_removed_while_it_is_copied_is_left_out(
+    place: StorePlace, empty: StorePlace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (_, modes), (_, kept) = fill(place), fill(place)
+    get, removed = FolderArrays.get, list[str]()
+
+    def removed_meanwhile(self: FolderArrays, id: str, digest: str) -> bytes:
+        if id == modes and not removed:
+            removed.append(id)
+            open_store(place).modal_models.remove(id)
+        return get(self, id, digest)
+
+    monkeypatch.setattr(FolderArrays, "get", removed_meanwhile)
+    restore(empty, backup_of(place, tmp_path))
+    assert removed == [modes]
+    assert not open_store(empty).modal_models.holds(modes)
+    assert open_store(empty).modal_models.npz(kept) == open_store(place).modal_models.npz(kept)
 
 
 def test_only_an_empty_place_is_restored_into(place: StorePlace, tmp_path: Path) -> None:

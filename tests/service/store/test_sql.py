@@ -14,7 +14,9 @@ from modallab.fe.catalogued import STRUCTURES
 from modallab.rig.hardware import Accelerometers
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
-from modallab.store.base import InUseError, Truth
+from modallab.store.arrays import FolderArrays
+from modallab.store.base import InUseError, MissingFileError, Truth
+from modallab.store.place import StorePlace
 from modallab.store.sql import SqlStore
 
 BEAM = STRUCTURES["chapter-5-beam"]()
@@ -128,6 +130,33 @@ def test_what_another_thing_was_made_from_cannot_be_removed(store: SqlStore) -> 
     store.structures.remove(changed)
     store.structures.remove(base)
     assert not store.structures.holds(base)
+
+
+@pytest.mark.parametrize("read", ["get", "npz"])
+def test_what_is_removed_while_it_is_read_is_not_found(
+    store: SqlStore, monkeypatch: pytest.MonkeyPatch, read: str
+) -> None:
+    id = store.measurements.add(measurement(), owner="me")
+    files, reading = FolderArrays.get, threading.Event()
+
+    def removed_meanwhile(self: FolderArrays, id: str, digest: str) -> bytes:
+        if not reading.is_set():
+            reading.set()
+            store.measurements.remove(id)
+        return files(self, id, digest)
+
+    monkeypatch.setattr(FolderArrays, "get", removed_meanwhile)
+    with pytest.raises(NotFoundError):
+        getattr(store.measurements, read)(id)
+    assert reading.is_set()
+
+
+def test_a_lost_array_file_is_told_as_lost(place: StorePlace, store: SqlStore) -> None:
+    id = store.measurements.add(measurement(), owner="me")
+    for path in place.folder.rglob("*.npz"):
+        path.unlink()
+    with pytest.raises(MissingFileError):
+        store.measurements.get(id)
 
 
 def test_nothing_is_made_from_what_is_not_there(store: SqlStore) -> None:
