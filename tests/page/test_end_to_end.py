@@ -14,7 +14,7 @@ from tests.page.conftest import Walk, check_step
 
 STEPS = (
     *("first load", "rig", "measure", "extract", "correlate"),
-    *("diagnose", "own files", "shared address", "errors", "reference", "class"),
+    *("diagnose", "own files", "shared address", "errors", "reference", "class", "saved work"),
 )
 
 

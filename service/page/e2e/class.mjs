@@ -111,6 +111,11 @@ async function student(page, index, answer) {
   await fill(page, "Averages", 20);
   await press(page, "Measure");
   await page.getByText("1 of 2 tests left").waitFor();
+  await press(page, "Saved work");
+  const saved = page.getByRole("dialog").getByRole("list", { name: "Tests" });
+  await saved.waitFor();
+  assert((await saved.locator("li").count()) === 1, "one's own tests are listed, no others");
+  await press(page, "Close");
   await page.getByRole("link", { name: "Extract modes, test 1" }).click();
   await press(page, "Extract");
   await page.locator('[aria-label="Table of modes"] tbody tr').first().waitFor();

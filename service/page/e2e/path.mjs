@@ -26,6 +26,7 @@ function STEPS() {
     ["errors", errors],
     ["reference", reference],
     ["class", noClass],
+    ["saved work", savedWork],
   ];
 }
 
@@ -218,4 +219,44 @@ async function noClass(page) {
   await page.getByRole("heading", { name: "A class needs keys" }).waitFor();
   assert((await page.getByRole("button", { name: /sign/i }).count()) === 0, "a service without keys asks for none");
   await examine(page, "class", folder);
+}
+
+/** What was stored on the way is found again, deleted, restored, opened, and taken along as a file. */
+async function savedWork(page) {
+  await page.goto(`${address}/#rig`);
+  await page.getByRole("button", { name: "Saved work" }).press("Enter");
+  const dialog = page.getByRole("dialog", { name: "Saved work" });
+  const rows = dialog.locator(".saved-list li");
+  const show = async (kind) => {
+    await dialog.getByRole("radio", { name: kind }).check({ force: true });
+    await dialog.getByRole("list", { name: kind }).waitFor();
+  };
+  await show("Tests");
+  assert((await rows.count()) === 2, "the test and its copy from a file are listed");
+  await rows.first().getByRole("button", { name: /^Rename/ }).press("Enter");
+  await page.keyboard.type("Own files");
+  await page.keyboard.press("Enter");
+  await dialog.getByText("Renamed.").waitFor();
+  assert((await rows.first().innerText()).startsWith("Own files"), "a test has the name that was typed");
+  await examine(page, "saved-work", folder);
+  await show("Diagnoses");
+  const diagnoses = await rows.count();
+  await rows.first().getByRole("button", { name: /^Delete/ }).press("Enter");
+  await dialog.getByText("Moved to the trash").waitFor();
+  await show("Trash");
+  await rows.first().getByRole("button", { name: /^Restore/ }).press("Enter");
+  await dialog.getByText("Restored.").waitFor();
+  await show("Diagnoses");
+  assert((await rows.count()) === diagnoses, "the diagnosis is back");
+  const saving = page.waitForEvent("download");
+  await dialog.getByRole("button", { name: "Save all as a file" }).press("Enter");
+  const project = readFileSync(await (await saving).path());
+  await dialog.getByLabel("Add a project file").setInputFiles({ name: "project.zip", mimeType: "application/zip", buffer: project });
+  const added = await dialog.getByText(/^Added:/).innerText();
+  assert(added.includes("diagnosis: 1"), added);
+  await rows.first().getByRole("button", { name: /^Open/ }).press("Enter");
+  await page.locator(".verdict").waitFor();
+  assert((await dialog.count()) === 0, "the dialog closes when a result is opened");
+  assert((await page.locator(".verdict").innerText()).includes("extra mass"), "the diagnosis is shown again");
+  return { added };
 }

@@ -26,6 +26,10 @@ export async function post<T>(path: string, body: unknown): Promise<T> {
   return (await send(path, posting(body))).json();
 }
 
+export async function patch<T>(path: string, body: unknown): Promise<T> {
+  return (await send(path, { ...posting(body), method: "PATCH" })).json();
+}
+
 export async function upload<T>(path: string, form: FormData): Promise<T> {
   return (await send(path, { method: "POST", body: form })).json();
 }
@@ -41,9 +45,11 @@ export async function arrays(path: string): Promise<Arrays> {
   return readNpz(await reply.arrayBuffer());
 }
 
-export async function cancel(job: string): Promise<void> {
-  await send(`/jobs/${job}`, { method: "DELETE" });
+export async function remove(path: string): Promise<void> {
+  await send(path, { method: "DELETE" });
 }
+
+export const cancel = (job: string): Promise<void> => remove(`/jobs/${job}`);
 
 /** Return the last state of a job; `tell` hears of every change before. */
 export function follow(id: string, tell: (job: Job) => void, signal: AbortSignal): Promise<Job> {

@@ -34,6 +34,18 @@ function LaterView({ view, state }: { view: Exclude<View, "rig">; state: State }
   return loaded.value ? <loaded.value.View state={state} /> : <Loading what="the view" />;
 }
 
+/** The button of saved work, and the dialog that it opens. */
+function Saved() {
+  const [open, setOpen] = useState(false);
+  const loaded = useLoaded(open ? "saved" : null, async () => ({ Work: (await import("./views/saved")).SavedWork }));
+  return (
+    <>
+      <button type="button" class="quiet" onClick={() => setOpen(true)}>Saved work</button>
+      {open && loaded.value && <loaded.value.Work close={() => setOpen(false)} />}
+    </>
+  );
+}
+
 export function App() {
   const state = useAddress();
   const session = useSession();
@@ -57,6 +69,7 @@ export function App() {
         </a>
         <Steps state={state} />
         <div class="top-end">
+          <Saved />
           <Account session={session} />
           <a class="quiet" href="docs">API</a>
           <LightSwitch />
