@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.assignments.terms import AssignmentError
+from modallab.core.arrays import FloatArray
 from modallab.core.errors import CancelledError, InvalidInputError, ModalLabError
 from modallab.core.place import EffectSpec
 from modallab.core.progress import Progress
@@ -51,6 +52,15 @@ class SealingSettings(Settings):
         doc="samples of the work that fills up a test",
         derived="a tenth of a millisecond",
     )
+    transform: float = setting(
+        5e-5,
+        unit="s",
+        doc="time of two transforms of these samples on a core where no test exceeds its estimate",
+        tuned="half of that of a core on which nonlinear tests take 1.2 times their estimate",
+    )
+    timing: float = setting(
+        0.05, unit="s", doc="time for which the transforms are timed", derived="500 of them on a slow core"
+    )
     look: float = setting(
         0.5, unit="s", doc="time until a job that waits sees that it was cancelled", derived="as other jobs"
     )
@@ -91,6 +101,7 @@ def measure_sealed_and_store(
         progress(0.0, "measuring")
 
     estimate = SEALING.solution + duration_of_stepped_measurement(setup, options.route).seconds
+    estimate *= _slowness()  # on a slow core a nonlinear test would exceed it, which a linear one never does
     later = Postponed(SEALING.spare * estimate, SEALING.step)
     if store.measurements.holds(into.id):
         return later  # done by an attempt that died later
@@ -138,10 +149,28 @@ def _work_as_long(began: float, step: float, progress: Progress) -> None:
     steps = math.ceil((time.thread_time() - began) / step)
     work, looked = np.ones(SEALING.samples), time.thread_time()
     while (now := time.thread_time()) < began + steps * step:
-        work = np.fft.irfft(np.fft.rfft(work), SEALING.samples)
+        work = _transformed(work)
         if now - looked > SEALING.look:  # seldom: each look waits for the database, and tests look seldom
             looked = now
             progress(0.0, "measuring")
+
+
+def _transformed(work: FloatArray) -> FloatArray:
+    """Return the samples, to the spectrum and back."""
+    return np.asarray(np.fft.irfft(np.fft.rfft(work), len(work)))
+
+
+def _slowness() -> float:
+    """Return how much longer this core takes than the one that estimates are for; at least 1.
+
+    Timed anew for every test: other work on the same machine changes it.
+    """
+    if SEALING.step == 0:
+        return 1.0
+    work, n, began = np.ones(SEALING.samples), 0, time.thread_time()
+    while (spent := time.thread_time() - began) < SEALING.timing:
+        work, n = _transformed(work), n + 1
+    return max(1.0, spent / (n * SEALING.transform))
 
 
 def possible_effects(
@@ -160,11 +189,13 @@ def _is_possible(spec: EffectSpec, structure: Structure, setup: RigSetup) -> boo
 
 
 def _keep_process(began: float, least: float, progress: Progress) -> None:
-    """Wait until the next step after the work: the next job in the process begins when this one lets go."""
+    """Wait after the work until shortly before the next step: the next job in the process begins then."""
     step = min(least, SEALING.step)
     if step == 0:
         return
-    steps = math.ceil(max(time.monotonic() - began, least) / step)
-    while (rest := began + steps * step - time.monotonic()) > 0:
+    # The end is entered after that: at a step of its own it would be told at the next one.
+    before = SEALING.look if step == SEALING.step else 0.0
+    steps = math.ceil((max(time.monotonic() - began, least) + before) / step)
+    while (rest := began + steps * step - before - time.monotonic()) > 0:
         progress(0.0, "measuring")
         time.sleep(min(rest, SEALING.look))

@@ -190,7 +190,7 @@ def test_the_duration_is_a_multiple_of_the_step(school: School, monkeypatch: pyt
 
 @pytest.mark.parametrize(
     ("worked", "least", "kept"),
-    [(0.5, 2.0, 2.0), (2.5, 2.0, 4.0), (61.0, 120.0, 120.0), (121.0, 120.0, 125.0)],
+    [(0.5, 2.0, 2.0), (2.5, 2.0, 4.0), (61.0, 120.0, 124.5), (121.0, 120.0, 124.5)],
 )
 def test_a_process_is_kept_for_steps_too(
     worked: float, least: float, kept: float, monkeypatch: pytest.MonkeyPatch
@@ -270,6 +270,17 @@ def test_every_test_computes_for_a_multiple_of_the_estimate(
     # step of the work and a look whether the job is wanted take some milliseconds.
     assert computed == [pytest.approx(round(computed[0]), abs=0.02)]
     assert computed[0] >= 1.0
+
+
+@pytest.mark.parametrize(("transform", "slowness"), [(1e-9, 1e3), (1.0, 1.0)])
+def test_a_slow_core_has_longer_estimates(
+    monkeypatch: pytest.MonkeyPatch, transform: float, slowness: float
+) -> None:
+    """Without that a nonlinear test would take more than its estimate there, and be told by its duration."""
+    monkeypatch.setattr(sealing, "SEALING", sealing.SealingSettings(transform=transform))
+    found = sealing._slowness()
+    assert found >= slowness
+    assert slowness > 1 or found == 1.0
 
 
 def test_an_effect_that_the_chosen_rig_has_no_place_for_does_not_act(school: School) -> None:
