@@ -22,6 +22,8 @@ check: setup ## format, lint, types, floors, known vulnerabilities
 	$(BIN)/lint-imports
 	.ci/audit $(BIN)/pip-audit
 
+# Some of the tests start processes, hundreds in all: what they import is compiled once, not by each of them.
+test: export PYTHONDONTWRITEBYTECODE :=
 test: setup ## the whole test suite, with branch coverage
 	$(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder --cov --cov-report=term $(if $(CI),--durations=25)
 

@@ -65,7 +65,7 @@ def printed(code: str, key: str) -> str:
 
 def test_marks_copied_as_python_are_those_of_the_table(steps: dict[str, Any], lecturer: str) -> None:
     assert printed(steps["marks"]["python"], lecturer).splitlines() == [
-        "Student one 1 5.0",
+        "Student one 1 7.0",  # with the two points for words
         "Student three 1 0.0",
         "Student two 1 3.0",
     ]

@@ -124,6 +124,24 @@ class AsyncAssignments:
         path = f"{_path(assignment_id)}/marks"
         return _wire.reply(models.ClassMarks, await self._transport.request("GET", path)).items
 
+    async def grade_words(
+        self, assignment_id: Identified, student: str, points: float, *, comment: str = ""
+    ) -> Submission:
+        """Return a student's last answer with points for its words; for instructors.
+
+        Parameters
+        ----------
+        student
+            Id of the student's key, `student` of a row of the marks.
+        points
+            At most those that the rubric gives for words.
+        comment
+            Reason, which the student reads.
+        """
+        path = f"{_path(assignment_id)}/marks/{student}/words"
+        body = {"points": points, "comment": comment}
+        return _wire.reply(Submission, await self._transport.request("PUT", path, json=body))
+
 
 def _path(assignment_id: Identified) -> str:
     return f"/v1/assignments/{id_of(assignment_id)}"

@@ -69,7 +69,7 @@ class Mark:
     maximum: float
     """1, points that can be reached."""
     points: float | None
-    """1, points reached; null: the instructor gives them."""
+    """1, points reached; null: the instructor has still to give them."""
     reasons: tuple[str, ...]
     """What is right and what is not, a sentence each."""
 
@@ -81,9 +81,9 @@ class Marks:
     marks: tuple[Mark, ...]
     """Points by criterion."""
     maximum: float
-    """1, points that can be reached, without those that the instructor gives."""
+    """1, points that can be reached, without those that the instructor has still to give."""
     points: float
-    """1, points reached, without those that the instructor gives."""
+    """1, points reached, without those that the instructor has still to give."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,6 +7,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.place import Channels, Dofs, EffectSpec, Members, Place
 
 
@@ -59,7 +60,7 @@ class Mark:
     criterion: str
     """`kind`, `place`, `size`, `coefficients` or `words`."""
     points: float | None
-    """1, points reached; None: the instructor gives them."""
+    """1, points reached; None: the instructor has still to give them."""
     maximum: float
     """1, points that can be reached."""
     reasons: tuple[str, ...]
@@ -71,9 +72,9 @@ class Marks:
     """Points of an answer."""
 
     points: float
-    """1, points reached, without those that the instructor gives."""
+    """1, points reached, without those that the instructor has still to give."""
     maximum: float
-    """1, points that can be reached, without those that the instructor gives."""
+    """1, points that can be reached, without those that the instructor has still to give."""
     marks: tuple[Mark, ...]
     """Points by criterion."""
 
@@ -110,6 +111,37 @@ def marked(answer: Answer, truth: Sequence[EffectSpec], rubric: Rubric) -> Marks
         marks.append(_mark_of_coefficients(answer.coefficients, rubric))
     if rubric.words:
         marks.append(Mark("words", None, rubric.words, ("The instructor reads the words.",)))
+    return _totalled(marks)
+
+
+def with_points_for_words(marks: Marks, points: float, comment: str = "") -> Marks:
+    """Return the marks with the instructor's points for the words.
+
+    Parameters
+    ----------
+    points
+        1, at most the points that the rubric gives for words.
+    comment
+        What the student reads as the reason.
+
+    Raises
+    ------
+    InvalidInputError
+        If the rubric gives no points for words, or fewer.
+    """
+    maximum = next((mark.maximum for mark in marks.marks if mark.criterion == "words"), None)
+    if maximum is None:
+        raise InvalidInputError("the rubric of this assignment gives no points for words", field="points")
+    if not 0.0 <= points <= maximum:
+        allowed = bounds(minimum=0.0, maximum=maximum)
+        raise InvalidInputError(
+            "the rubric gives other points for words", field="points", value=points, allowed=allowed
+        )
+    given = Mark("words", points, maximum, (comment,) if comment else ())
+    return _totalled([given if mark.criterion == "words" else mark for mark in marks.marks])
+
+
+def _totalled(marks: Sequence[Mark]) -> Marks:
     given = [mark for mark in marks if mark.points is not None]
     return Marks(
         points=sum(mark.points or 0.0 for mark in given),

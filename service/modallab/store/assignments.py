@@ -2,14 +2,14 @@
 
 import secrets
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import sqlalchemy as sa
 from sqlalchemy.exc import IntegrityError
 
 from modallab.assignments.drawing import Lot
 from modallab.assignments.hidden import drawn_for
-from modallab.assignments.marking import Answer, Marks
+from modallab.assignments.marking import Answer, Marks, with_points_for_words
 from modallab.assignments.terms import AssignmentError, AssignmentTerms
 from modallab.core.errors import NotFoundError
 from modallab.core.place import EffectSpec
@@ -161,6 +161,30 @@ class AssignmentBook:
         most = stored.assignment.submissions
         number = self._numbered(SUBMISSIONS, same, row, most, "answers are given", "submissions")
         return MarkedAnswer(student, number, created, answer, marks)
+
+    def grade_words(
+        self, stored: StoredAssignment, student: str, points: float, comment: str
+    ) -> MarkedAnswer:
+        """Return the last answer of a student with the instructor's points for its words.
+
+        Raises
+        ------
+        NotFoundError
+            If the student has not answered.
+        InvalidInputError
+            If the rubric gives no points for words, or fewer.
+        """
+        answer = self.submissions(stored, [student]).get(student)
+        if answer is None:
+            raise NotFoundError(
+                f"{student!r} has not answered this assignment", field="student", value=student
+            )
+        marks = with_points_for_words(answer.marks, points, comment)
+        same = (SUBMISSIONS.c.assignment_id == stored.id) & (SUBMISSIONS.c.student == student)
+        change = SUBMISSIONS.update().where(same, SUBMISSIONS.c.number == answer.number)
+        with self._engine.begin() as connection:
+            connection.execute(change.values(marks=to_plain(marks)[0]))
+        return replace(answer, marks=marks)
 
     def _numbered(
         self,

@@ -89,6 +89,7 @@ async function handOutAssignment(page) {
   await fill(page, "mass from", 0.045);
   await fill(page, "mass to", 0.055);
   await fill(page, "Tests of each student", 2);
+  await fill(page, "Points for words", 3);
   await page.getByLabel("Diagnosis", { exact: true }).selectOption("on");
   await page.getByLabel("Deadline", { exact: true }).fill("2099-12-31T18:00");
   await examine(page, "class-form", folder);
@@ -155,6 +156,11 @@ async function seeMarks(page) {
   await signIn(page, KEY, "Lecturer");
   await goTo(page, "Class");
   await page.getByText("3 of 3 have measured, 3 have submitted.").waitFor();
+  await page.getByText("3 of 3 without points.").waitFor();
+  await page.getByLabel("Points, of 3", { exact: true }).first().fill("2");
+  await page.getByLabel("Comment").first().fill("Right, but short.");
+  await page.getByRole("button", { name: "Give the points" }).first().press("Enter");
+  await page.getByText("2 of 3 without points.").waitFor();
   const saved = page.waitForEvent("download");
   await page.getByRole("button", { name: "Marks, CSV" }).click();
   const table = readFileSync(await (await saved).path(), "utf8").trim().split(/\r?\n/);

@@ -30,6 +30,10 @@ export async function patch<T>(path: string, body: unknown): Promise<T> {
   return (await send(path, { ...posting(body), method: "PATCH" })).json();
 }
 
+export async function put<T>(path: string, body: unknown): Promise<T> {
+  return (await send(path, { ...posting(body), method: "PUT" })).json();
+}
+
 export async function upload<T>(path: string, form: FormData): Promise<T> {
   return (await send(path, { method: "POST", body: form })).json();
 }

@@ -1,6 +1,6 @@
 /** Classes and assignments: what the service answers, and the requests that make them. */
 
-import { get, post } from "./api";
+import { get, post, put } from "./api";
 import type { Place } from "./format";
 import type { HiddenRow } from "./hidden";
 
@@ -61,6 +61,8 @@ export interface StudentMarks {
 export const classes = async () => (await get<{ items: ClassEntry[] }>("/classes")).items;
 export const assignments = async () => (await get<{ items: Assignment[] }>("/assignments")).items;
 export const marksOf = async (id: string) => (await get<{ items: StudentMarks[] }>(`/assignments/${id}/marks`)).items;
+export const gradeWords = (assignment: string, student: string, points: number, comment: string) =>
+  put<Submission>(`/assignments/${assignment}/marks/${student}/words`, { points, comment });
 export const createClass = (name: string) => post<ClassEntry>("/classes", { name });
 
 /** Return the names of a list with one on each line, each once. */

@@ -194,3 +194,18 @@ def new_assignment(school: School) -> str:
     reply = school.send("instructor", "POST", "/v1/assignments", json=body)
     assert reply.status_code == 201, reply.text
     return str(reply.json()["id"])
+
+
+def answered_assignment(school: School) -> str:
+    """Return the id of one more assignment, which the student has answered in words."""
+    body = assignment(school.ids["class"]) | {"rubric": {"words": 3}}
+    id = str(school.send("instructor", "POST", "/v1/assignments", json=body).json()["id"])
+    reply = school.send("student", "POST", f"/v1/assignments/{id}/submissions", json={"words": "bent"})
+    assert reply.status_code == 201, reply.text
+    return id
+
+
+def student_id(school: School) -> str:
+    """Return the id of the student's key."""
+    rows = school.send("student", "GET", f"/v1/assignments/{school.ids['assignment']}/marks").json()["items"]
+    return str(rows[0]["student"])

@@ -190,6 +190,34 @@ def test_an_answer_is_marked_and_the_class_table_has_it(school: School) -> None:
     assert rows["same class"]["points"] == ""
 
 
+def test_the_instructor_gives_points_for_the_words(school: School) -> None:
+    id = created(school, hidden=[], rubric={"kind": 2, "place": 0, "size": 0, "words": 3})["id"]
+    (student,) = (row["student"] for row in marks_of(school, "student", id))
+    path = f"/v1/assignments/{id}/marks/{student}/words"
+    grade = {"points": 2.5, "comment": "Right, but short."}
+    early = school.send("instructor", "PUT", path, json=grade)
+    assert (early.status_code, early.json()["context"]["field"]) == (404, "student")
+    school.send("student", "POST", f"/v1/assignments/{id}/submissions", json={"words": "It is as modelled."})
+    reply = school.send("instructor", "PUT", path, json=grade)
+    assert reply.status_code == 200, reply.text
+    (row,) = marks_of(school, "student", id)
+    assert row["submission"] == reply.json()
+    marks = row["submission"]["marks"]
+    assert (marks["points"], marks["maximum"]) == (4.5, 5.0)
+    assert marks["marks"][-1]["reasons"] == ["Right, but short."]
+    table = school.send("instructor", "GET", f"/v1/assignments/{id}/marks", headers={"Accept": "text/csv"})
+    cells = {entry["name"]: entry for entry in csv.DictReader(io.StringIO(table.text))}["student"]
+    assert (cells["points_for_words"], cells["words"]) == ("2.5", "It is as modelled.")
+    refused = school.send("instructor", "PUT", path, json={"points": 4}).json()
+    assert (refused["context"]["field"], refused["context"]["allowed"]["maximum"]) == ("points", 3.0)
+
+
+def marks_of(school: School, caller: str, id: str) -> list[dict[str, Any]]:
+    reply = school.send(caller, "GET", f"/v1/assignments/{id}/marks")
+    items: list[dict[str, Any]] = reply.json()["items"]
+    return items
+
+
 def test_answers_are_as_many_as_the_assignment_says(school: School) -> None:
     id = created(school, submissions=1)["id"]
     path = f"/v1/assignments/{id}/submissions"

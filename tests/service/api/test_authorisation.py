@@ -20,6 +20,7 @@ from tests.service.api.authorisation import (
     POINTS,
     RIG,
     School,
+    answered_assignment,
     assignment,
     discarded,
     fill,
@@ -28,6 +29,7 @@ from tests.service.api.authorisation import (
     new_member,
     new_share,
     open_school,
+    student_id,
     study,
     throwaway,
 )
@@ -263,6 +265,7 @@ ROWS: dict[str, Row] = {
     "start_assignment_measurement": of_class(202, id=new_assignment, body=of()),
     "submit_answer": of_class(201, id=new_assignment, body=of()),
     "get_marks": of_class(id="assignment"),
+    "grade_words": teachers(id=answered_assignment, body=of(points=2), paths={"student": student_id}),
     "get_session": anyone(),
     "delete_session": anyone(204),
     # for whoever has a key that counts

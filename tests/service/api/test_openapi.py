@@ -28,6 +28,7 @@ BEFORE_THE_FIRST_KEY = {
     "/v1/assignments": (403,),
     "/v1/assignments/{id}/measurements": (403,),
     "/v1/assignments/{id}/submissions": (403,),
+    "/v1/assignments/{id}/marks/{student}/words": (403,),
     "/v1/classes/{id}/members": (403,),
     "/v1/classes/{id}/shares": (403,),
     "/v1/sessions": (401,),

@@ -2,8 +2,17 @@
 
 import pytest
 
-from modallab.assignments.marking import Answer, ExpectedCoefficient, Marks, Rubric, marked
+from modallab.assignments.marking import (
+    Answer,
+    ExpectedCoefficient,
+    Mark,
+    Marks,
+    Rubric,
+    marked,
+    with_points_for_words,
+)
 from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
 from modallab.core.place import Channels, EffectSpec, Members
 
 MASS = EffectSpec("extra_mass", Dof(7, "Y"), {"mass": 0.05})
@@ -64,6 +73,31 @@ def test_a_sound_structure_is_found_by_naming_nothing() -> None:
     assert marks_of(truth=()).points == 5
     assert marks_of(MASS, truth=()).points == 0
     assert marks_of().points == 0
+
+
+WORDED = marked(Answer((), {}, "bent"), (), Rubric(kind=1, place=1, size=1, words=3))
+
+
+@pytest.mark.parametrize("points", [0.0, 1.5, 3.0])
+def test_points_for_words_are_the_instructors(points: float) -> None:
+    assert (WORDED.points, WORDED.maximum) == (3.0, 3.0)  # nothing is hidden, and the answer names nothing
+    given = with_points_for_words(WORDED, points, "Well seen.")
+    assert (given.points, given.maximum) == (3.0 + points, 6.0)
+    assert given.marks[-1] == Mark("words", points, 3.0, ("Well seen.",))
+    assert with_points_for_words(given, 2.0).points == 5.0  # in place of those before
+
+
+@pytest.mark.parametrize("points", [-0.1, 3.1])
+def test_no_other_points_than_those_of_the_rubric_are_given(points: float) -> None:
+    with pytest.raises(InvalidInputError) as refused:
+        with_points_for_words(WORDED, points)
+    assert refused.value.context["field"] == "points"
+    assert refused.value.context["allowed"] == {"minimum": 0.0, "maximum": 3.0}
+
+
+def test_a_rubric_without_words_has_no_points_for_them() -> None:
+    with pytest.raises(InvalidInputError, match="no points for words"):
+        with_points_for_words(marked(Answer((), {}, "bent"), (), Rubric()), 0.0)
 
 
 def test_coefficients_and_words() -> None:

@@ -179,6 +179,7 @@ MARK_COLUMNS = (
     "place",
     "size",
     "coefficients",
+    "points_for_words",
     "points",
     "maximum",
     "words",
@@ -191,7 +192,11 @@ def mark_row(row: StudentMarks) -> Json:
     if row.submission is None:
         return cells
     marks: Any = row.submission.marks
-    points = {mark.criterion: mark.points for mark in marks.marks if mark.points is not None}
+    points = {
+        "points_for_words" if mark.criterion == "words" else mark.criterion: mark.points
+        for mark in marks.marks
+        if mark.points is not None
+    }
     total = {"points": marks.points, "maximum": marks.maximum}
     return (
         cells

@@ -5,7 +5,7 @@ from hashlib import sha256
 from operator import attrgetter
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, Request, status
+from fastapi import APIRouter, Depends, Path, Request, status
 
 from modallab.api.access import Caller, CallerDep, KeyDep, TeacherKeyDep
 from modallab.api.assignments.replies import (
@@ -20,7 +20,7 @@ from modallab.api.assignments.replies import (
     student_marks,
     submission_reply,
 )
-from modallab.api.assignments.schemas import AssignmentIn, SubmissionIn, TrialIn
+from modallab.api.assignments.schemas import AssignmentIn, SubmissionIn, TrialIn, WordsGradeIn
 from modallab.api.classes import ClassesDep
 from modallab.api.deps import IdPath, JobsDep, RequestKeyDep, SettingsDep, StoreDep
 from modallab.api.examples import example
@@ -68,11 +68,15 @@ _SUBMISSION = {
 }
 
 
+_WORDS_GRADE = {"points": 4, "comment": "Right; what do the shapes say of node 9?"}
+
+
 async def _assignments(request: Request) -> AssignmentBook:
     assignments: AssignmentBook = request.app.state.assignments
     return assignments
 
 
+StudentPath = Annotated[str, Path(pattern=r"^[A-Za-z0-9_-]{1,64}$", description="id of the student's key")]
 AssignmentsDep = Annotated[AssignmentBook, Depends(_assignments)]
 
 
@@ -209,6 +213,22 @@ def get_marks(id: IdPath, assignments: AssignmentsDep, keys: KeysDep, key: KeyDe
     stored = assignments.get(id, viewer=key.viewer)
     rows = _rows(assignments, keys, stored, key)
     return csv_or(lambda: ClassMarks(items=rows), MARK_COLUMNS, map(mark_row, rows), as_csv=as_csv)
+
+
+@router.put("/{id}/marks/{student}/words", response_model=Submission, summary="Grade the words of an answer")
+def grade_words(
+    id: IdPath,
+    student: StudentPath,
+    body: Annotated[WordsGradeIn, example(_WORDS_GRADE)],
+    assignments: AssignmentsDep,
+    key: TeacherKeyDep,
+) -> Any:
+    """Return a student's last answer with points for its words; only for instructors and administrators.
+
+    They replace those given before. A student who answers once more has none until they are given anew.
+    """
+    stored = assignments.get(id, viewer=key.viewer)
+    return submission_reply(assignments.grade_words(stored, student, body.points, body.comment))
 
 
 def _rows(

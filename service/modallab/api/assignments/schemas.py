@@ -247,6 +247,15 @@ class SubmissionIn(Wire):
         return Answer(tuple(specs), dict(self.coefficients), self.words)
 
 
+class WordsGradeIn(Wire):
+    """Points that the instructor gives for the words of an answer."""
+
+    points: _Points
+    """1, points, at most those of the rubric"""
+    comment: str = Field("", max_length=2000, pattern=r"^[^\x00]*$")
+    """reason, which the student reads"""
+
+
 def _choice(path: str, limits: BetweenIn | ValuesIn) -> Choice:
     if isinstance(limits, ValuesIn):
         return Choice(values=tuple(limits.one_of))

@@ -11,6 +11,7 @@ import { asProblem, usePolled } from "../use";
 import { AssignmentForm } from "./assignment-form";
 import { LinksOf } from "./class-links";
 import { MarksTable } from "./marks";
+import { WordsOf } from "./words";
 
 const WATCHED = 5000; // ms between two looks at the table
 
@@ -55,6 +56,7 @@ function Watched({ assignment }: { assignment: Assignment }) {
       <p class="hint">{assignment.deadline ? `Until ${timeText(assignment.deadline)}.` : "No deadline."} {assignment.reveal ? `Revealed ${timeText(assignment.reveal)}.` : ""}</p>
       {rows.problem && <ProblemNote problem={rows.problem} again={rows.again} />}
       {rows.value && <MarksTable assignment={assignment} rows={rows.value} />}
+      {rows.value && <WordsOf assignment={assignment} rows={rows.value} marked={rows.again} />}
     </section>
   );
 }
