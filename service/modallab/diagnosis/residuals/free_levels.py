@@ -128,8 +128,7 @@ class FreeLevels:
             return None
         if lines is not None:
             spectra = spectra.at(lines)
-        force, gain, coherent = _coherent_parts(spectra)
-        power = spectra.xx.swapaxes(0, 1).reshape(coherent.shape)
+        force, gain, coherent, other = _coherent_parts(spectra)
         measured, variance = _incoherent(observed, force[..., 0])
         if measured is None or variance is None:
             return None
@@ -139,7 +138,7 @@ class FreeLevels:
                 measured=measured[:, once],
                 weight=(observed.usable & ~observed.held_out_lines[:, None])[:, once] / variance[:, once],
                 fitted=observed.fitted[:, once],
-                other=np.maximum(power - coherent, COHERENCE_ROUNDING * power),
+                other=other,
                 coherent=coherent,
                 gain=gain,
                 force=force,
@@ -161,17 +160,11 @@ class FreeLevels:
         excess = expected_noise.excess(at_lines)
         if excess is None:
             return spectra
-        force, _, coherent = _coherent_parts(at_lines)
-        power = at_lines.xx.swapaxes(0, 1).reshape(coherent.shape)
+        force, _, coherent, other = _coherent_parts(at_lines)
         measured, variance = _incoherent(observed, force[..., 0])
         if measured is None or variance is None:
             return spectra
-        incoherent = IncoherentSpectra(
-            measured,
-            observed.fitted / variance,
-            np.maximum(power - coherent, COHERENCE_ROUNDING * power),
-            coherent,
-        )
+        incoherent = IncoherentSpectra(measured, observed.fitted / variance, other, coherent)
         n_out = coherent.shape[1] // len(excess)
         share = incoherent.fitted_share(np.repeat(excess, n_out) / force[..., 0])
         changed = spectra.ff + share * excess[:, None, None, None]
@@ -182,18 +175,23 @@ class FreeLevels:
 ALL_DECLARED = FreeLevels()
 
 
-def _coherent_parts(spectra: CrossSpectra) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return forces and squared FRFs by response, (n_freq, n_run n_out, n_in), and the responses to them."""
+def _coherent_parts(spectra: CrossSpectra) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return forces and squared FRFs by response, (n_freq, n_run n_out, n_in), and both parts of responses.
+
+    The auto spectra (n_freq, n_run n_out) of what is coherent with the forces, and of what is not.
+    """
     n_run, n_freq, n_in, n_out = spectra.fx.shape
     force = np.repeat(force_spectra(spectra).swapaxes(0, 1), n_out, axis=1)
     if n_in == 1:
         cross = spectra.fx[:, :, 0].swapaxes(0, 1).reshape(n_freq, -1)
         coherent = np.abs(cross) ** 2 / force[..., 0]
-        return force, (coherent / force[..., 0])[..., None], coherent
-    h = np.linalg.solve(spectra.ff, spectra.fx)
-    coherent = (spectra.fx.conj() * h).sum(axis=2).real.swapaxes(0, 1).reshape(n_freq, -1)
-    gain = (np.abs(h) ** 2).transpose(1, 0, 3, 2).reshape(n_freq, n_run * n_out, n_in)
-    return force, gain, coherent
+        gain = (coherent / force[..., 0])[..., None]
+    else:
+        h = np.linalg.solve(spectra.ff, spectra.fx)
+        coherent = (spectra.fx.conj() * h).sum(axis=2).real.swapaxes(0, 1).reshape(n_freq, -1)
+        gain = (np.abs(h) ** 2).transpose(1, 0, 3, 2).reshape(n_freq, n_run * n_out, n_in)
+    power = spectra.xx.swapaxes(0, 1).reshape(coherent.shape)
+    return force, gain, coherent, np.maximum(power - coherent, COHERENCE_ROUNDING * power)
 
 
 def _incoherent(observed: "Observed", force: FloatArray) -> tuple[FloatArray | None, FloatArray | None]:
