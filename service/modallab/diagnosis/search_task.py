@@ -110,10 +110,12 @@ class SearchTask:
             return found, None
         alone = second.with_effects(found.path.fit.effects)
         if not is_noise_only(second.predictor, alone) and self.max_effects > 1:
-            first.predictor.budget.limit_to(BUDGET.first_search)
-            found = self._search_from(first, self.max_effects, part(pulse, 0.5, 0.75), single_effects)
-            if "frf" not in found.unexplained_parts:
-                return found, None
+            budget = first.predictor.budget
+            budget.limit_to(BUDGET.first_search)
+            if not budget.exhausted:
+                found = self._search_from(first, self.max_effects, part(pulse, 0.5, 0.75), single_effects)
+                if "frf" not in found.unexplained_parts:
+                    return found, None
         refitted = self._refitted(single_effects, second, alone)
         return self._search_from(second, self.max_effects, part(pulse, 0.75, 1.0), refitted), assumed
 

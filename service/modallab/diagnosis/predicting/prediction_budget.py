@@ -21,6 +21,11 @@ class PredictionBudget:
         self._limit *= share
 
     @property
+    def remaining(self) -> float:
+        """Number of predictions that are left."""
+        return max(0.0, self._limit - self.spent)
+
+    @property
     def exhausted(self) -> bool:
         """Whether the search should try nothing new."""
         return self.spent >= self._limit

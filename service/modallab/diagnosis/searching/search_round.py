@@ -93,6 +93,7 @@ class _Round:
         self._candidates: dict[tuple[str, str], tuple[float, Effect]] = {}
         self._fitted: set[tuple[str, str]] = set()
         self._max_cost = np.inf  # of a coarse fit
+        self._budget_limit = np.inf  # predictions spent when no further fit begins
         self.fits: list[Fit] = []
         self.explanation: Effect | None = None  # leaves only noise, at the least cost of a coarse fit
 
@@ -106,12 +107,14 @@ class _Round:
             if name not in self._candidates or cost < self._candidates[name][0]:
                 self._candidates[name] = (cost, effect)
         best = _worth_fitting(self._candidates.values())
+        budget = self._predictor.budget
+        self._budget_limit = budget.spent + ROUND.budget_share * budget.remaining
         for i, (cost, effect) in enumerate(best):
             progress(0.75 + 0.25 * i / len(best), f"fitting {effect.kind}")
             enough = len(self.fits) >= ROUND.min_fits
             hopeless = cost > self._max_cost and (enough or effect.intermittent)
             hopeless |= enough and not self._is_competitive(cost)
-            given_up = self._predictor.budget.exhausted and len(self.fits) > 0
+            given_up = self._is_budget_spent and len(self.fits) > 0
             if not hopeless and not given_up:
                 self._fit(cost, effect)
         self._fit_neighbours()
@@ -153,15 +156,20 @@ class _Round:
         """
         for kind in self._best_kinds():
             last = None
-            while (best := self._best_of(kind)) is not last and not self._predictor.budget.exhausted:
+            while (best := self._best_of(kind)) is not last and not self._is_budget_spent:
                 last = best
                 for effect in neighbouring_effects(best.effects[-1], self._predictor.system):
                     if kind_and_place(effect) in self._suspected - self._fitted:
                         with suppress(InvalidInputError):
                             inflation = LOSS.noise_inflations[1]
                             near, cost = coarse_fit(self._coarse, self._accepted, effect, inflation)
-                            if self._is_competitive(cost):
+                            if self._is_competitive(cost) and not self._is_budget_spent:
                                 self._fit(cost, near)
+
+    @property
+    def _is_budget_spent(self) -> bool:
+        """Whether the fits of the round have taken their share: the rest is for further effects."""
+        return self._predictor.budget.spent >= self._budget_limit
 
     def _is_competitive(self, cost: float) -> bool:
         """Return whether the cost of a coarse fit is not far above that of the best one."""
@@ -190,7 +198,9 @@ class _Round:
         self._fitted.add(kind_and_place(effect))
         with suppress(InvalidInputError):
             candidate = fit(self._predictor, (*self._accepted, effect), near=self._base)
-            candidate = with_optional_parameters(self._predictor, candidate, self._base)
+            least = min((found.chi_square for found in self.fits), default=np.inf)
+            if candidate.chi_square < ROUND.optional_cost * least:
+                candidate = with_optional_parameters(self._predictor, candidate, self._base)
             self.fits.append(candidate)
             if ROUND.hopeless_cost * cost < self._max_cost and self._explains(candidate):
                 self._max_cost, self.explanation = ROUND.hopeless_cost * cost, effect

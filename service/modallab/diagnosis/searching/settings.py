@@ -212,6 +212,16 @@ class RoundSettings(Settings):
         doc="cost over that of the best effect above which another is neither fitted nor followed",
         tuned=TESTS,
     )
+    budget_share: float = setting(
+        0.5,
+        doc="share of the remaining predictions that the fits of a round may take",
+        derived="of a pair the second round costs as much as the first",
+    )
+    optional_cost: float = setting(
+        2.0,
+        doc="cost over that of the best fit above which no optional parameters are fitted",
+        tuned="a foreign test of a viscous absorber: the damper of the right one closes a factor of 2.7",
+    )
     linear_share: float = setting(
         0.6, doc="share of a round's progress before nonlinear forces", tuned="CPU time of simulated tests"
     )

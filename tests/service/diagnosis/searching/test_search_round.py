@@ -1,5 +1,7 @@
 """A round of the search."""
 
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -10,6 +12,8 @@ from modallab.core.place import Members
 from modallab.core.progress import silent
 from modallab.diagnosis.fitting.coarse_fit import coarse_fit
 from modallab.diagnosis.fitting.fit import Fit, fit
+from modallab.diagnosis.predicting.prediction_budget import PredictionBudget
+from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.scanning import StartingPoint, scan
 from modallab.diagnosis.searching.search_round import Suspects, fit_candidates
 from modallab.effects.cubic_stiffness import CubicStiffness
@@ -79,3 +83,38 @@ def test_no_nonlinear_force_is_sought_beside_what_assumed_tolerances_explain(
     assert [single.effects[-1].at for single in asked] == [hidden.at]
     assert best.effects[-1].at == hidden.at
     assert ("cubic_stiffness" in scanned) is not explained
+
+
+def test_a_round_leaves_half_of_the_predictions_for_further_effects(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    predictor, _ = predicting(draw_measurement(rig(), [ExtraMass(Dof(6, "Y"), 0.1)]))
+    predictor = replace(predictor, budget=PredictionBudget(1000))
+
+    def costly(predictor: Predictor, effects: Sequence[Effect], **given: Any) -> Fit:
+        predictor.budget.spend(200)
+        return fit(predictor, effects, **given)
+
+    monkeypatch.setattr(module, "fit", costly)
+    suspects = Suspects([kind(Dof(node, "Y")) for node in range(1, 10) for kind in (ExtraMass, GroundSpring)])
+    base = fit(predictor, ())
+    before = predictor.budget.remaining
+    fits = fit_candidates(predictor, base, suspects, progress=silent)
+    assert fits[0].effects[-1].at == Dof(6, "Y"), "the likeliest are fitted first"
+    assert 0.2 * before < predictor.budget.remaining < 0.5 * before
+    assert not predictor.budget.exhausted
+
+
+def test_optional_parameters_are_for_those_near_the_best_fit(monkeypatch: pytest.MonkeyPatch) -> None:
+    extended: list[Effect] = []
+
+    def noted(_predictor: Predictor, candidate: Fit, _near: Fit) -> Fit:
+        extended.append(candidate.effects[-1])
+        return candidate
+
+    monkeypatch.setattr(module, "with_optional_parameters", noted)
+    predictor, _ = predicting(draw_measurement(rig(), [ExtraMass(Dof(5, "Y"), 0.1)]))
+    suspects = Suspects([ExtraMass(Dof(node, "Y")) for node in (5, 9)])
+    found = fit_candidates(predictor, fit(predictor, ()), suspects, progress=silent)
+    assert len(found) == 2
+    assert [effect.at for effect in extended] == [Dof(5, "Y")]
