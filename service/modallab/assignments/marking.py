@@ -111,7 +111,7 @@ def marked(answer: Answer, truth: Sequence[EffectSpec], rubric: Rubric) -> Marks
         marks.append(_mark_of_coefficients(answer.coefficients, rubric))
     if rubric.words:
         marks.append(Mark("words", None, rubric.words, ("The instructor reads the words.",)))
-    return _totalled(marks)
+    return _with_totals(marks)
 
 
 def with_points_for_words(marks: Marks, points: float, comment: str = "") -> Marks:
@@ -137,11 +137,11 @@ def with_points_for_words(marks: Marks, points: float, comment: str = "") -> Mar
         raise InvalidInputError(
             "the rubric gives other points for words", field="points", value=points, allowed=allowed
         )
-    given = Mark("words", points, maximum, (comment,) if comment else ())
-    return _totalled([given if mark.criterion == "words" else mark for mark in marks.marks])
+    words_mark = Mark("words", points, maximum, (comment,) if comment else ())
+    return _with_totals([words_mark if mark.criterion == "words" else mark for mark in marks.marks])
 
 
-def _totalled(marks: Sequence[Mark]) -> Marks:
+def _with_totals(marks: Sequence[Mark]) -> Marks:
     given = [mark for mark in marks if mark.points is not None]
     return Marks(
         points=sum(mark.points or 0.0 for mark in given),

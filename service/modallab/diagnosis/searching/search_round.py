@@ -198,8 +198,8 @@ class _Round:
         self._fitted.add(kind_and_place(effect))
         with suppress(InvalidInputError):
             candidate = fit(self._predictor, (*self._accepted, effect), near=self._base)
-            least = min((found.chi_square for found in self.fits), default=np.inf)
-            if candidate.chi_square < ROUND.optional_cost * least:
+            lowest = min((fitted.chi_square for fitted in self.fits), default=np.inf)
+            if candidate.chi_square < ROUND.optional_cost * lowest:
                 candidate = with_optional_parameters(self._predictor, candidate, self._base)
             self.fits.append(candidate)
             if ROUND.hopeless_cost * cost < self._max_cost and self._explains(candidate):
