@@ -3,12 +3,13 @@
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import fields
+from typing import Any
 
 import sqlalchemy as sa
 
 from modallab.core.errors import InvalidInputError
 from modallab.store.arrays import ArrayFiles
-from modallab.store.base import Entry
+from modallab.store.base import Entry, MissingFileError
 from modallab.store.exported import ProjectContents, StoredParts
 from modallab.store.tables import THINGS, TRIALS
 
@@ -46,15 +47,22 @@ class SqlProjects:
 
     def parts(self, id: str) -> StoredParts:
         """Return a thing as it lies in the store."""
-        columns = (THINGS.c.body, THINGS.c.request, THINGS.c.arrays_hash)
+        row = self._row(id)
+        try:
+            arrays = self._files.get(id, row.arrays_hash) if row.arrays_hash else b""
+        except MissingFileError:
+            self._row(id)  # another may just have removed the thing
+            raise
+        return StoredParts(row.body, row.request, arrays)
+
+    def _row(self, id: str) -> sa.Row[Any]:
+        columns: list[sa.Column[Any]] = [THINGS.c.body, THINGS.c.request, THINGS.c.arrays_hash]
         query = sa.select(*columns).where(THINGS.c.id == id, THINGS.c.removed.is_(None))
         with self._connect() as connection:
             row = connection.execute(query).first()
         if row is None:
             raise InvalidInputError(f"{id!r} was removed while it was written: try again", value=id)
-        return StoredParts(
-            row.body, row.request, self._files.get(id, row.arrays_hash) if row.arrays_hash else b""
-        )
+        return row
 
 
 def _with_origins(chosen: Iterable[Entry], owned: Mapping[str, Entry]) -> set[str]:

@@ -41,6 +41,7 @@ function Saved() {
   return (
     <>
       <button type="button" class="quiet" onClick={() => setOpen(true)}>Saved work</button>
+      {open && loaded.problem && <ProblemNote problem={loaded.problem} again={() => location.reload()} />}
       {open && loaded.value && <loaded.value.Work close={() => setOpen(false)} />}
     </>
   );

@@ -137,6 +137,3 @@ export function firstOf(limits: Limits, frame: unknown): unknown {
 }
 
 export const isOver = (assignment: Assignment, now = Date.now()) => assignment.deadline !== null && Date.parse(assignment.deadline) <= now;
-
-/** Return a time of the service in the reader's own. */
-export const timeText = (iso: string) => new Date(iso).toLocaleString(undefined, { dateStyle: "medium", timeStyle: "short" });

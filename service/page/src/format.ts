@@ -60,3 +60,6 @@ export function placeText(at: Place): string {
   if ("channels" in at) return channelText(at.channels);
   return `at ${at.dofs.join(", ")}`;
 }
+
+/** Return a time of the service in the reader's own. */
+export const timeText = (iso: string) => new Date(iso).toLocaleString(undefined, { dateStyle: "medium", timeStyle: "short" });

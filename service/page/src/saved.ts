@@ -32,17 +32,16 @@ interface Page<T> {
   next: string | null;
 }
 
-/** Return the entries of a page of a list; those of one owner on a service with keys. */
-function pageOf<T>(path: string, owner: string | undefined, after: string | null, limit: number): Promise<Page<T>> {
+/** Return the first entries of a list; those of one owner on a service with keys. */
+function pageOf<T>(path: string, owner: string | undefined, limit: number): Promise<Page<T>> {
   const query = new URLSearchParams({ limit: String(limit) });
   if (owner) query.set("owner", owner);
-  if (after) query.set("after", after);
   return get(`${path}?${query}`);
 }
 
-export const entries = (kind: Kind, owner: string | undefined, after: string | null, limit: number) => pageOf<Entry>(PATHS[kind], owner, after, limit);
+export const entries = (kind: Kind, owner: string | undefined, limit: number) => pageOf<Entry>(PATHS[kind], owner, limit);
 
-export const trash = (owner: string | undefined) => pageOf<DiscardedEntry>("/trash", owner, null, 100);
+export const trash = (owner: string | undefined) => pageOf<DiscardedEntry>("/trash", owner, 100);
 
 export const rename = (kind: Kind, id: string, name: string) => patch<Entry>(`${PATHS[kind]}/${id}`, { name });
 

@@ -111,3 +111,23 @@ export function useWork(done: (...resultIds: string[]) => void): Work {
 }
 
 export { asProblem };
+
+/** Return what runs a short action: whether one is under way, and why the last one was refused. */
+export function useActions(tell: (text: string) => void, after: () => void = () => undefined) {
+  const [busy, setBusy] = useState(false);
+  const [problem, setProblem] = useState<Problem | null>(null);
+  const run = async (action: () => Promise<unknown>, text = "") => {
+    setBusy(true);
+    setProblem(null);
+    try {
+      const outcome = await action();
+      tell(typeof outcome === "string" ? outcome : text);
+      after();
+    } catch (error) {
+      tell("");
+      setProblem(asProblem(error));
+    }
+    setBusy(false);
+  };
+  return { run, busy, problem };
+}

@@ -1,12 +1,13 @@
 """What is stored comes back the same, once, whole, and not while it is in use."""
 
 import threading
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 
 from modallab.core.dof import Dof
-from modallab.core.errors import NotFoundError
+from modallab.core.errors import InvalidInputError, ModalLabError, NotFoundError
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import ModalModel, Mode, Spread
 from modallab.core.place import Channels, EffectSpec, Members
@@ -132,9 +133,19 @@ def test_what_another_thing_was_made_from_cannot_be_removed(store: SqlStore) -> 
     assert not store.structures.holds(base)
 
 
-@pytest.mark.parametrize("read", ["get", "npz"])
-def test_what_is_removed_while_it_is_read_is_not_found(
-    store: SqlStore, monkeypatch: pytest.MonkeyPatch, read: str
+@pytest.mark.parametrize(
+    ("read", "error"),
+    [
+        (lambda store, id: store.measurements.get(id), NotFoundError),
+        (lambda store, id: store.measurements.npz(id), NotFoundError),
+        (lambda store, id: store.projects.parts(id), InvalidInputError),
+    ],
+)
+def test_what_is_removed_while_it_is_read_is_told_as_removed(
+    store: SqlStore,
+    monkeypatch: pytest.MonkeyPatch,
+    read: Callable[[SqlStore, str], object],
+    error: type[ModalLabError],
 ) -> None:
     id = store.measurements.add(measurement(), owner="me")
     files, reading = FolderArrays.get, threading.Event()
@@ -146,8 +157,8 @@ def test_what_is_removed_while_it_is_read_is_not_found(
         return files(self, id, digest)
 
     monkeypatch.setattr(FolderArrays, "get", removed_meanwhile)
-    with pytest.raises(NotFoundError):
-        getattr(store.measurements, read)(id)
+    with pytest.raises(error):
+        read(store, id)
     assert reading.is_set()
 
 

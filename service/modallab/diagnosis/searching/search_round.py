@@ -156,14 +156,16 @@ class _Round:
         """
         for kind in self._best_kinds():
             last = None
-            while (best := self._best_of(kind)) is not last and not self._is_budget_spent:
+            while (best := self._best_of(kind)) is not last:
                 last = best
                 for effect in neighbouring_effects(best.effects[-1], self._predictor.system):
+                    if self._is_budget_spent:
+                        return
                     if kind_and_place(effect) in self._suspected - self._fitted:
                         with suppress(InvalidInputError):
                             inflation = LOSS.noise_inflations[1]
                             near, cost = coarse_fit(self._coarse, self._accepted, effect, inflation)
-                            if self._is_competitive(cost) and not self._is_budget_spent:
+                            if self._is_competitive(cost):
                                 self._fit(cost, near)
 
     @property

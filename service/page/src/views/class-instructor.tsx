@@ -2,7 +2,8 @@
 
 import { useState } from "preact/hooks";
 import { file } from "../api";
-import { type Assignment, type ClassEntry, assignments, classes, createClass, marksOf, namesOf, timeText } from "../class";
+import { type Assignment, type ClassEntry, assignments, classes, createClass, marksOf, namesOf } from "../class";
+import { timeText } from "../format";
 import { save } from "../parts/actions";
 import { Group, SelectField, TextArea, TextField } from "../parts/fields";
 import { Empty, Loading, ProblemNote } from "../parts/notes";

@@ -1,8 +1,8 @@
 /** A student's assignment: what is left, the tests within its choices, the answer and its marks. */
 
 import { useCallback, useState } from "preact/hooks";
-import { type Assignment, type Limits, assignments, firstOf, isOver, timeText, trialOf, valueAt } from "../class";
-import { placeText, words } from "../format";
+import { type Assignment, type Limits, assignments, firstOf, isOver, trialOf, valueAt } from "../class";
+import { placeText, timeText, words } from "../format";
 import { Actions } from "../parts/actions";
 import { Group, NumberField, SelectField, StartButton } from "../parts/fields";
 import { Empty, Loading, ProblemNote, WorkNote } from "../parts/notes";

@@ -1,8 +1,8 @@
 /** Marks of an answer with their reasons, and the table of a class. */
 
-import { short, words } from "../format";
+import { short, timeText, words } from "../format";
 import { file } from "../api";
-import { type Assignment, type StudentMarks, type Submission, timeText } from "../class";
+import { type Assignment, type StudentMarks, type Submission } from "../class";
 import { Actions } from "../parts/actions";
 import { marksLines, program } from "../python";
 

@@ -3,7 +3,7 @@
 import "../saved.css";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { get } from "../api";
-import { words } from "../format";
+import { timeText, words } from "../format";
 import { save } from "../parts/actions";
 import { DropZone } from "../parts/dropzone";
 import { Choice } from "../parts/fields";
@@ -11,7 +11,7 @@ import { Loading, ProblemNote } from "../parts/notes";
 import { type DiscardedEntry, type Entry, KINDS, type Kind, addProject, discard, entries, nameOf, projectFile, rename, restore, shown, trash } from "../saved";
 import { holder } from "../session";
 import { go } from "../state";
-import { asProblem, usePolled } from "../use";
+import { useActions, usePolled } from "../use";
 
 const ROWS = 25; // of a list at a time
 
@@ -46,7 +46,7 @@ function Stored({ kind, close }: { kind: Kind; close(): void }) {
   const [limit, setLimit] = useState(ROWS);
   const [told, setTold] = useState("");
   const [renamed, setRenamed] = useState<string | null>(null);
-  const list = usePolled(`${kind}/${limit}`, () => entries(kind, holder()?.id, null, limit));
+  const list = usePolled(`${kind}/${limit}`, () => entries(kind, holder()?.id, limit));
   const actions = useActions(setTold, list.again);
   const open = async (entry: Entry) => {
     const model = kind === "measurement" ? await modelOf(entry.id) : undefined;
@@ -99,7 +99,7 @@ function Trash() {
           {items.map((entry) => (
             <li>
               <What entry={entry} kind={entry.kind} />
-              <span class="when">until {moment(entry.until)}</span>
+              <span class="when">until {timeText(entry.until)}</span>
               <button type="button" class="quiet" disabled={actions.busy} onClick={() => actions.run(() => restore(entry.id), "Restored.")}>Restore<Of entry={entry} /></button>
             </li>
           ))}
@@ -114,7 +114,7 @@ function Trash() {
 /** All stored objects as one file, and back. */
 function Project() {
   const [told, setTold] = useState("");
-  const actions = useActions(setTold, () => undefined);
+  const actions = useActions(setTold);
   const add = (files: File[]) =>
     actions.run(async () => countsText(await Promise.all(files.map(addProject))));
   return (
@@ -133,7 +133,7 @@ function Project() {
 function What({ entry, kind }: { entry: Entry | DiscardedEntry; kind: string }) {
   return (
     <span class="what">
-      {nameOf(entry, kind)} <span class="when">{moment(entry.created)}</span>
+      {nameOf(entry, kind)} <span class="when">{timeText(entry.created)}</span>
       {entry.comment && <span class="hint"> {entry.comment}</span>}
     </span>
   );
@@ -164,27 +164,7 @@ function NameForm({ entry, kind, take, leave }: { entry: Entry; kind: Kind; take
 
 /** Tells a screen reader which one of a list a button is for. */
 function Of({ entry }: { entry: Entry }) {
-  return <span class="visually-hidden"> {entry.name || entry.id}, {moment(entry.created)}</span>;
-}
-
-/** Return what runs an action, tells its end and whether it was refused. */
-function useActions(tell: (text: string) => void, after: () => void) {
-  const [busy, setBusy] = useState(false);
-  const [problem, setProblem] = useState<ReturnType<typeof asProblem> | null>(null);
-  const run = async (action: () => Promise<unknown>, text = "") => {
-    setBusy(true);
-    setProblem(null);
-    try {
-      const outcome = await action();
-      tell(typeof outcome === "string" ? outcome : text);
-      after();
-    } catch (error) {
-      tell("");
-      setProblem(asProblem(error));
-    }
-    setBusy(false);
-  };
-  return { run, busy, problem };
+  return <span class="visually-hidden"> {entry.name || entry.id}, {timeText(entry.created)}</span>;
 }
 
 /** Return the structure that was tested, where the user may know it: of an assignment it is sealed. */
@@ -200,6 +180,3 @@ function countsText(counts: Record<string, number>[]): string {
   const parts = Object.entries(sums).filter(([, n]) => n > 0).map(([kind, n]) => `${words(kind)}: ${n}`);
   return parts.length ? `Added: ${parts.join(", ")}.` : "The file holds nothing.";
 }
-
-/** Return a moment as date and time of this place. */
-const moment = (iso: string) => new Date(iso).toLocaleString(undefined, { dateStyle: "medium", timeStyle: "short" });

@@ -5,7 +5,7 @@ import { short } from "../format";
 import { type Assignment, type Mark, type StudentMarks, gradeWords } from "../class";
 import { NumberField, TextField } from "../parts/fields";
 import { ProblemNote } from "../parts/notes";
-import { asProblem } from "../use";
+import { useActions } from "../use";
 
 /** All answers that have words to mark; nothing where the rubric gives no points for them. */
 export function WordsOf({ assignment, rows, marked }: { assignment: Assignment; rows: StudentMarks[]; marked(): void }) {
@@ -28,19 +28,10 @@ function Worded({ assignment, row, mark, marked }: { assignment: Assignment; row
   const given = mark.points !== null;
   const [points, setPoints] = useState(mark.points ?? (row.submission!.words ? mark.maximum : 0));
   const [comment, setComment] = useState(given ? (mark.reasons[0] ?? "") : "");
-  const [busy, setBusy] = useState(false);
-  const [problem, setProblem] = useState<ReturnType<typeof asProblem> | null>(null);
-  const send = async (event: Event) => {
+  const { run, busy, problem } = useActions(() => undefined, marked);
+  const send = (event: Event) => {
     event.preventDefault();
-    setBusy(true);
-    setProblem(null);
-    try {
-      await gradeWords(assignment.id, row.student, points, comment.trim());
-      marked();
-    } catch (error) {
-      setProblem(asProblem(error));
-    }
-    setBusy(false);
+    run(() => gradeWords(assignment.id, row.student, points, comment.trim()));
   };
   return (
     <details open={!given}>
