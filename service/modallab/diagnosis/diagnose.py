@@ -22,7 +22,8 @@ from modallab.diagnosis.predicting.window_in_use import with_window_in_use
 from modallab.diagnosis.residuals.residual import gap_error
 from modallab.diagnosis.result import Diagnosis, Step, Unknown, Verdict
 from modallab.diagnosis.result_builder import curves, extended, rivals, step, tolerated
-from modallab.diagnosis.search_task import SearchResult, SearchTask, suspected
+from modallab.diagnosis.search_result import SearchResult
+from modallab.diagnosis.search_task import SearchTask, suspected
 from modallab.diagnosis.searching.search_path import SearchPath
 from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.diagnosis.test_design.proposal import next_test

@@ -2,17 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-
-import numpy as np
-from scipy.special import chdtri
 
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.progress import Progress, Pulse, part
-from modallab.diagnosis.fitting.fit import Fit, fit, with_optional_parameters
+from modallab.diagnosis.assumed_tolerances import deviate_far, refitted_path, refitted_round
+from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.fitting.settings import FIT
-from modallab.diagnosis.optimisation.nuisances import Nuisances, nuisance_parameters
+from modallab.diagnosis.optimisation.nuisances import nuisance_parameters
 from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.predicting.held_out import outlying_frfs, select_held_out
 from modallab.diagnosis.predicting.joint_prediction import JointPredictor
@@ -23,45 +20,17 @@ from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredic
 from modallab.diagnosis.predicting.supported_levels import with_supported_force_noise
 from modallab.diagnosis.residuals.frf_selection import FrfSelection
 from modallab.diagnosis.residuals.observe import observe
-from modallab.diagnosis.searching.acceptance import is_noise_only, ranked_by_bic, unexplained_parts
+from modallab.diagnosis.search_result import SearchResult
+from modallab.diagnosis.searching.acceptance import is_noise_only
 from modallab.diagnosis.searching.search import search
-from modallab.diagnosis.searching.search_path import SearchPath, kind_and_place
+from modallab.diagnosis.searching.search_path import SearchPath
 from modallab.diagnosis.searching.search_round import Suspects, fit_candidates
-from modallab.diagnosis.searching.settings import ROUND
 from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.fe.damping import UnknownDamping
 from modallab.fe.structure import Structure
 from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
-
-
-@dataclass(frozen=True, eq=False)
-class SearchResult:
-    """Effects that a search found, and how it predicts."""
-
-    predictor: Predictor
-    """Predictor of the tests."""
-    path: SearchPath
-    """The accepted effects."""
-    unmeasured: tuple[Dof, ...]
-    """Held-out responses without a test."""
-
-    @cached_property
-    def unexplained_parts(self) -> set[str]:
-        """Parts of the measurement whose gap is more than random error."""
-        return unexplained_parts(self.predictor, self.path.fit, max_lag=None)
-
-    def with_effects(self, effects: tuple[Effect, ...]) -> Fit:
-        """Return a fit that starts from effects and the fit found; the same again for equal effects."""
-        if effects not in self._fits:
-            found = fit(self.predictor, effects, near=self.path.fit)
-            self._fits[effects] = with_optional_parameters(self.predictor, found, self.path.fit)
-        return self._fits[effects]
-
-    @cached_property
-    def _fits(self) -> dict[tuple[Effect, ...], Fit]:
-        return {}
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +68,7 @@ class SearchTask:
             return self._search_from(first, self.max_effects, pulse), None
         second = self._start(assumed, pulse)
         nothing_missing = is_noise_only(second.predictor, second.path.fit)
-        if nothing_missing and not _deviate_far(second.predictor.nuisances, second.path.fit, stated):
+        if nothing_missing and not deviate_far(second.predictor.nuisances, second.path.fit, stated):
             return second, assumed
         # A search for one effect that explains nothing ends before half of its progress.
         single_effects = self._first_round(first, second, part(pulse, 0.05, 0.25))
@@ -108,6 +77,28 @@ class SearchTask:
             return (second, assumed) if found.unexplained_parts else (found, None)
         if "frf" not in found.unexplained_parts:
             return found, None
+        return self._search_further(first, second, found, single_effects, assumed, pulse)
+
+    def _search_further(
+        self,
+        first: SearchResult,
+        second: SearchResult,
+        found: SearchResult,
+        single_effects: Sequence[Fit],
+        assumed: Tolerances,
+        pulse: Pulse,
+    ) -> tuple[SearchResult, Tolerances | None]:
+        """Return what `run` does where no single effect leaves random error alone under stated tolerances.
+
+        Parameters
+        ----------
+        first, second
+            The fits without any effect, under stated and assumed tolerances.
+        found
+            The best single effect, if any is significant.
+        single_effects
+            Fits of single effects under the stated tolerances, best first.
+        """
         alone = second.with_effects(found.path.fit.effects)
         if not is_noise_only(second.predictor, alone) and self.max_effects > 1:
             budget = first.predictor.budget
@@ -116,7 +107,9 @@ class SearchTask:
                 found = self._search_from(first, self.max_effects, part(pulse, 0.5, 0.75), single_effects)
                 if "frf" not in found.unexplained_parts:
                     return found, None
-        refitted = self._refitted(single_effects, second, alone)
+                if (path := refitted_path(found.path, second)) is not None:
+                    return replace(second, path=path), assumed
+        refitted = refitted_round(single_effects, second, alone)
         return self._search_from(second, self.max_effects, part(pulse, 0.75, 1.0), refitted), assumed
 
     def _start(self, tolerances: Tolerances, pulse: Pulse) -> SearchResult:
@@ -147,41 +140,6 @@ class SearchTask:
             explains=explains,
         )
 
-    @staticmethod
-    def _refitted(fits: Sequence[Fit], second: SearchResult, alone: Fit) -> list[Fit] | None:
-        """Return fits of single effects under the second tolerances; None if none closes most of the gap.
-
-        Tolerances can hide which effect is the largest only where they explain as much as it does.
-
-        Parameters
-        ----------
-        alone
-            Fit of the effects of the first search under the second tolerances.
-        """
-        if not fits or ROUND.competitive_cost * fits[0].chi_square > second.path.fit.chi_square:
-            return None
-        limit = ROUND.competitive_cost * fits[0].chi_square
-        # Beside an effect that leaves noise alone, one that leaves far more is no rival.
-        explained = is_noise_only(second.predictor, alone)
-        n_least = 1 if explained else ROUND.min_fits
-        competitive = [one for i, one in enumerate(fits) if i < n_least or one.chi_square < limit]
-        position = alone.nuisance_position if explained else second.path.fit.starting_position
-        predictor = second.predictor.with_nuisances_at(position)
-        max_chi_square = ROUND.competitive_cost * alone.chi_square if explained else np.inf
-
-        def refitted(single: Fit) -> Fit:
-            same = _names(single.effects) == _names(alone.effects)
-            if same:
-                return alone
-            found = fit(predictor, single.effects, near=second.path.fit, max_chi_square=max_chi_square)
-            return (
-                found
-                if found.chi_square > max_chi_square
-                else with_optional_parameters(predictor, found, second.path.fit)
-            )
-
-        return ranked_by_bic([refitted(single) for single in competitive])
-
     def _search_from(
         self,
         start: SearchResult,
@@ -203,26 +161,6 @@ class SearchTask:
     def _suspects(self, predictor: Predictor) -> Suspects:
         least_suspicion = DIAGNOSIS.least_suspicion if self.suspects is None else 0.0
         return Suspects(suspected(predictor, self.suspects), least_suspicion)
-
-
-def _names(effects: Sequence[Effect]) -> list[tuple[str, str]]:
-    return [kind_and_place(effect) for effect in effects]
-
-
-def _deviate_far(nuisances: Nuisances, found: Fit, stated: Tolerances) -> bool:
-    """Return whether nuisance parameters of assumed tolerances deviate farther than a single effect costs.
-
-    Those of modes and of random fields are many, and deviate in any model that is a little wrong: only the
-    squares of all deviations together, if they are more than chance, make an effect more likely.
-    """
-    squares = found.nuisance_position**2
-    of_rig_or_model = [
-        nuisance.mode is None and nuisance.shape is None and nuisance.name not in stated.stated
-        for nuisance in nuisances.parameters
-    ]
-    cost = found.cost_per_parameter / found.correlation_length
-    by_chance = chdtri(max(len(squares), 1), DIAGNOSIS.deviation_probability)
-    return bool(squares[of_rig_or_model].sum() > cost or squares.sum() > by_chance)
 
 
 def suspected(predictor: Predictor, kinds: Sequence[str] | None) -> list[Effect]:

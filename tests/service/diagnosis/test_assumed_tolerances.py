@@ -1,19 +1,24 @@
 """Tolerances that are assumed for an uploaded test."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from modallab.core.dof import Dof
-from modallab.core.place import Members
+from modallab.core.place import Channels, Members
 from modallab.diagnosis import search_task
 from modallab.diagnosis.diagnose import diagnose_with_options
 from modallab.diagnosis.optimisation.tolerance_effects import MemberTolerance
 from modallab.diagnosis.optimisation.tolerances import TolerancePreset
 from modallab.diagnosis.options import DiagnosisOptions
+from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.result import Diagnosis, Verdict
+from modallab.diagnosis.searching.search import search
+from modallab.diagnosis.searching.search_path import SearchPath
 from modallab.effects.extra_mass import ExtraMass
+from modallab.effects.gain_error import GainError
 from modallab.effects.stiffness_error import StiffnessError
 from modallab.rig.effect import Effect
 from modallab.rig.measure import Route
@@ -31,10 +36,12 @@ UNEVEN = MemberTolerance(
 )
 
 
-def diagnosed(*hidden: Effect, uploaded: bool = True, preset: TolerancePreset | None = None) -> Diagnosis:
+def diagnosed(
+    *hidden: Effect, uploaded: bool = True, preset: TolerancePreset | None = None, max_effects: int = 1
+) -> Diagnosis:
     test = draw_measurement(rig(), hidden)
     test = replace(test, route=None if uploaded else Route.DRAWN)
-    options = DiagnosisOptions(suspects=SUSPECTS, tolerances=preset, max_effects=1)
+    options = DiagnosisOptions(suspects=SUSPECTS, tolerances=preset, max_effects=max_effects)
     return diagnose_with_options(model(), test, options)
 
 
@@ -89,6 +96,33 @@ def test_an_effect_beside_it_is_named() -> None:
     assert found.steps[0].effect.at == Members((3,))
     factor = found.steps[0].effect.parameters["factor"]
     assert abs(factor.value - 0.6 * INEXACT.stiffness[2]) < 4 * factor.standard_error  # four standard errors
+
+
+def test_effects_far_larger_than_the_tolerances_are_searched_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    nuisances = []
+
+    def recorded(predictor: Predictor, *given: Any, **options: Any) -> SearchPath:
+        nuisances.append(len(predictor.nuisances))
+        return search(predictor, *given, **options)
+
+    monkeypatch.setattr(search_task, "search", recorded)
+    error, gain = StiffnessError(Members((3,)), 0.6), GainError(Channels((rig().responses[0],)), 1.4)
+    found = diagnosed(INEXACT, error, gain, max_effects=2)
+    assert found.verdict is Verdict.EXPLAINED
+    assert {(step.effect.kind, step.effect.at) for step in found.steps} == {
+        (error.kind, error.at),
+        (gain.kind, gain.at),
+    }
+    assert found.tolerated
+    assert set(nuisances) == {0}
+
+
+def test_tolerances_may_hide_an_effect_as_small_as_they_are() -> None:
+    """A second effect of 0.6 % is searched for again beside tolerances of 0.5 %, and is none of its own."""
+    error = StiffnessError(Members((3,)), 0.6)
+    found = diagnosed(INEXACT, error, StiffnessError(Members((7,)), 1.006), max_effects=2)
+    assert found.verdict is Verdict.EXPLAINED
+    assert [step.effect.at for step in found.steps] == [error.at]
 
 
 @pytest.mark.parametrize("preset", [None, TolerancePreset.NONE])

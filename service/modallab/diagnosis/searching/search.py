@@ -44,7 +44,7 @@ def search(
     if first is None:
         first = fit_candidates(predictor, start, suspects, progress=part(progress, 0.05, 0.25))
     elements = None
-    if first and not is_noise_only(predictor, first[0]):
+    if first and max_effects > 1 and not is_noise_only(predictor, first[0]):
         stage = part(progress, 0.25, 0.3)
         elements = multiple_elements(predictor, first[0], suspects, max_effects=max_effects, progress=stage)
     if elements and len(elements.effects) <= SEARCH.pair:

@@ -1,0 +1,106 @@
+"""Fits of a search under stated tolerances, repeated under assumed ones."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.special import chdtri
+
+from modallab.diagnosis.fitting.fit import Fit, fit, with_optional_parameters
+from modallab.diagnosis.fitting.settings import FIT
+from modallab.diagnosis.optimisation.nuisances import Nuisances
+from modallab.diagnosis.optimisation.tolerances import Tolerances
+from modallab.diagnosis.search_result import SearchResult
+from modallab.diagnosis.searching.acceptance import is_noise_only, ranked_by_bic
+from modallab.diagnosis.searching.search_path import SearchPath, kind_and_place, refine_path
+from modallab.diagnosis.searching.settings import ROUND, SEARCH
+from modallab.diagnosis.settings import DIAGNOSIS
+from modallab.rig.effect import Effect
+
+
+def refitted_round(fits: Sequence[Fit], second: SearchResult, alone: Fit) -> list[Fit] | None:
+    """Return fits of single effects under the second tolerances; None if tolerances may hide the largest.
+
+    That is where they close as much of the gap as the best effect does.
+
+    Parameters
+    ----------
+    alone
+        Fit of the effects of the first search under the second tolerances.
+    """
+    if not fits or _may_hide_effect(fits[0], alone, second.path.fit):
+        return None
+    limit = ROUND.competitive_cost * fits[0].chi_square
+    # Beside an effect that leaves noise alone, one that leaves far more is no rival.
+    explained = is_noise_only(second.predictor, alone)
+    n_least = 1 if explained else ROUND.min_fits
+    competitive = [one for i, one in enumerate(fits) if i < n_least or one.chi_square < limit]
+    position = alone.nuisance_position if explained else second.path.fit.starting_position
+    predictor = second.predictor.with_nuisances_at(position)
+    max_chi_square = FIT.near_noise * alone.chi_square if explained else np.inf
+
+    def refitted(single: Fit) -> Fit:
+        same = _names(single.effects) == _names(alone.effects)
+        if same:
+            return alone
+        found = fit(predictor, single.effects, near=second.path.fit, max_chi_square=max_chi_square)
+        return (
+            found
+            if found.chi_square > max_chi_square
+            else with_optional_parameters(predictor, found, second.path.fit)
+        )
+
+    return ranked_by_bic([refitted(single) for single in competitive])
+
+
+def refitted_path(path: SearchPath, second: SearchResult) -> SearchPath | None:
+    """Return a path of several effects under the second tolerances, if it explains the measurement there.
+
+    None if it does not, or if tolerances may hide one of its effects.
+    """
+    effects = path.fit.effects
+    if len(effects) < SEARCH.pair:
+        return None
+    complete = second.with_effects(effects)
+    if not is_noise_only(second.predictor, complete):
+        return None
+    without_one = [second.with_effects(effects[:i] + effects[i + 1 :]) for i in range(len(effects))]
+    if any(_may_hide_effect(path.fit, complete, reduced) for reduced in without_one):
+        return None
+    steps = (*path.steps[:-1], replace(path.steps[-1], fit=complete))
+    return refine_path(second.predictor, SearchPath(second.path.start, steps))
+
+
+def _may_hide_effect(under_stated: Fit, under_assumed: Fit, without_effect: Fit) -> bool:
+    """Return whether assumed tolerances may hide which effect is missing: they close as much of the gap.
+
+    Parameters
+    ----------
+    under_stated, under_assumed
+        Fits with the effect under both tolerances.
+    without_effect
+        Fit under the assumed tolerances without the effect.
+    """
+    by_tolerances = under_stated.chi_square - under_assumed.chi_square
+    by_effect = without_effect.chi_square - under_assumed.chi_square
+    return ROUND.competitive_cost * by_tolerances > by_effect
+
+
+def _names(effects: Sequence[Effect]) -> list[tuple[str, str]]:
+    return [kind_and_place(effect) for effect in effects]
+
+
+def deviate_far(nuisances: Nuisances, found: Fit, stated: Tolerances) -> bool:
+    """Return whether nuisance parameters of assumed tolerances deviate farther than a single effect costs.
+
+    Those of modes and of random fields are many, and deviate in any model that is a little wrong: only the
+    squares of all deviations together, if they are more than chance, make an effect more likely.
+    """
+    squares = found.nuisance_position**2
+    of_rig_or_model = [
+        nuisance.mode is None and nuisance.shape is None and nuisance.name not in stated.stated
+        for nuisance in nuisances.parameters
+    ]
+    cost = found.cost_per_parameter / found.correlation_length
+    by_chance = chdtri(max(len(squares), 1), DIAGNOSIS.deviation_probability)
+    return bool(squares[of_rig_or_model].sum() > cost or squares.sum() > by_chance)
