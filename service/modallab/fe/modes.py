@@ -98,6 +98,19 @@ class ModalBasis:
             imaginary += np.sqrt(np.maximum(square, 0.0)) * np.diag(self.viscous).real
         return np.divide(imaginary, square, out=np.zeros_like(imaginary), where=square > 0)
 
+    def decay_rates(self, least_omega: float) -> FloatArray:
+        """Return the rates of decay (m,), 1/s, by viscous damping and structural damping alike.
+
+        Parameters
+        ----------
+        least_omega
+            Natural frequency, rad/s, below which structural damping lets nothing decay.
+        """
+        omega = 2 * np.pi * self.frequencies
+        imaginary = self.eigenvalues.imag
+        rates = np.divide(imaginary, 2 * omega, out=np.zeros_like(omega), where=omega > least_omega)
+        return rates if self.viscous is None else rates + np.diag(self.viscous).real / 2
+
     def at(self, omega: FloatArray) -> "ModalResponse":
         """Return the modes' response at `omega` (n_freq,) rad/s, above zero.
 

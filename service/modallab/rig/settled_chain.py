@@ -31,18 +31,12 @@ def _settled(run: Run, frequency_max: float, least: float) -> Run:
     system = run.with_exciters.folded()
     basis = system.modes(frequency_max)
     omega = 2 * np.pi * basis.frequencies
-    missing = least - _damping(basis, omega)
+    missing = least - 2 * basis.decay_rates(TIME_STEPPING.rigid_body_rate)
     slow = (omega > TIME_STEPPING.rigid_body_rate) & (basis.frequencies < frequency_max) & (missing > 0)
     if not slow.any():
         return run
     columns = _momenta(system, basis)[: len(run.system.dofs), slow]
     return replace(run, system=run.system.attach(Attachment(columns, viscous=np.diag(missing[slow]))))
-
-
-def _damping(basis: ModalBasis, omega: FloatArray) -> FloatArray:
-    """Return the damping (m,) of modes, 1/s, twice their rates of decay."""
-    structural = np.divide(basis.eigenvalues.imag, omega, out=np.zeros_like(omega), where=omega > 0)
-    return structural if basis.viscous is None else structural + np.diag(basis.viscous).real
 
 
 def _momenta(system: DynamicSystem, basis: ModalBasis) -> FloatArray:

@@ -34,12 +34,7 @@ class ModalFeedback:
         columns = system.selection(dofs)
         shapes = columns.T @ basis.shapes[: len(columns)].real
         omega = 2 * np.pi * basis.frequencies
-        modal_damping = basis.eigenvalues.imag
-        damping = np.divide(
-            modal_damping, omega, out=np.zeros_like(omega), where=omega > TIME_STEPPING.rigid_body_rate
-        )
-        if basis.viscous is not None:
-            damping = damping + np.diag(basis.viscous).real
+        damping = 2 * basis.decay_rates(TIME_STEPPING.rigid_body_rate)
         participates = np.abs(shapes).max(axis=0) > COMPARISON_ROUNDING * np.abs(shapes).max()
         return cls(shapes[:, participates], omega[participates], damping[participates])
 

@@ -85,6 +85,17 @@ def test_viscous_damping_gives_twice_the_damping_ratio() -> None:
     np.testing.assert_allclose(basis.loss_factors, 3.0 / omega + 1e-6 * omega, rtol=1e-6)
 
 
+@pytest.mark.parametrize("law", [ViscousDamping(1e-6, 3.0), StructuralDamping(0.01, 0.0)])
+def test_a_mode_decays_by_half_of_its_loss_factor_a_radian(law: Damping) -> None:
+    basis = assemble(replace(STRUCTURES["chapter-5-beam"](), damping=law)).modes().elastic(8)
+    expected = np.pi * basis.frequencies * basis.loss_factors
+    np.testing.assert_allclose(basis.decay_rates(0.0), expected, rtol=1e-9)  # rounding
+    # a rigid-body mode decays by viscous damping alone
+    least = 3 * np.pi * basis.frequencies[-1]
+    viscous = 0.0 if basis.viscous is None else np.diag(basis.viscous).real / 2
+    np.testing.assert_allclose(basis.decay_rates(least), viscous, rtol=1e-9)
+
+
 def test_modal_damping_gives_the_loss_factors_asked_for() -> None:
     law = ModalDamping((0.01, 0.02, 0.03))
     basis = assemble(replace(STRUCTURES["chapter-5-beam"](), damping=law)).modes().elastic(6)
