@@ -113,7 +113,7 @@ export function useWork(done: (...resultIds: string[]) => void): Work {
 export { asProblem };
 
 /** Return what runs a short action: whether one is under way, and why the last one was refused. */
-export function useActions(tell: (text: string) => void, after: () => void = () => undefined) {
+export function useActions(tell: (text: string) => void = () => undefined, after: () => void = () => undefined) {
   const [busy, setBusy] = useState(false);
   const [problem, setProblem] = useState<Problem | null>(null);
   const run = async (action: () => Promise<unknown>, text = "") => {

@@ -10,7 +10,7 @@ import { Actions } from "../parts/actions";
 import { AddField, Group, NumberField, SelectField, TextArea, TextField } from "../parts/fields";
 import { ProblemNote } from "../parts/notes";
 import { answerLines, program } from "../python";
-import { asProblem, useLoaded } from "../use";
+import { useActions, useLoaded } from "../use";
 
 interface Draft {
   kind: string;
@@ -32,19 +32,12 @@ export function AnswerForm({ assignment, diagnosisId, sent }: { assignment: Assi
   const [effects, setEffects] = useState<Draft[]>([]);
   const [coefficients, setCoefficients] = useState<Record<string, number>>(() => Object.fromEntries(assignment.rubric.names.map((name) => [name, 1])));
   const [text, setText] = useState("");
-  const [problem, setProblem] = useState<ReturnType<typeof asProblem> | null>(null);
+  const { run, busy, problem } = useActions(undefined, sent);
   const left = assignment.submissions - (assignment.submission?.number ?? 0);
   if (left < 1 || !entries.value) return null;
   const add = (kind: string) => setEffects([...effects, draftOf(entries.value!.find((entry) => entry.kind === kind)!)]);
   const answer = () => ({ effects: effects.map(effectOf), coefficients, words: text });
-  const send = () =>
-    post(`/assignments/${assignment.id}/submissions`, answer()).then(
-      () => {
-        setProblem(null);
-        sent();
-      },
-      (error) => setProblem(asProblem(error)),
-    );
+  const send = () => post(`/assignments/${assignment.id}/submissions`, answer());
   return (
     <section class="answer" aria-labelledby="answer-title">
       <h2 id="answer-title">Answer</h2>
@@ -70,7 +63,7 @@ export function AnswerForm({ assignment, diagnosisId, sent }: { assignment: Assi
         <Group title="Words"><TextArea label="Reasons, for your instructor" value={text} set={setText} rows={3} /></Group>
       </div>
       {problem && <ProblemNote problem={problem} />}
-      <button type="button" class="primary" onClick={send}>{left > 1 ? `Submit, ${left} answers left` : "Submit, the last answer"}</button>
+      <button type="button" class="primary" disabled={busy} onClick={() => run(send)}>{left > 1 ? `Submit, ${left} answers left` : "Submit, the last answer"}</button>
       <Actions python={() => program(answerLines(assignment.id, answer()))} />
     </section>
   );

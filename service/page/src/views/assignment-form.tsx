@@ -12,7 +12,7 @@ import { ProblemNote } from "../parts/notes";
 import { assignmentLines, program } from "../python";
 import { type RigDraft, bodyOf, unpacked, usualRig } from "../rig";
 import { type State, address } from "../state";
-import { asProblem, useLoaded } from "../use";
+import { useActions, useLoaded } from "../use";
 
 interface FormProps {
   state: State;
@@ -55,7 +55,7 @@ function Fields({ name, rig, request, made }: FieldsProps) {
   const [tolerance, setTolerance] = useState(20);
   const [diagnosis, setDiagnosis] = useState("off");
   const [times, setTimes] = useState({ deadline: "", reveal: "" });
-  const [problem, setProblem] = useState<ReturnType<typeof asProblem> | null>(null);
+  const { run, busy, problem } = useActions();
   const time = (text: string) => (text ? new Date(text).toISOString() : null);
   const body = () => ({
     ...request, title, choices, diagnosis, ...numbers,
@@ -65,7 +65,7 @@ function Fields({ name, rig, request, made }: FieldsProps) {
     reveal: time(times.reveal),
     rubric: { ...points, tolerance: tolerance / 100 },
   });
-  const create = () => post<Assignment>("/assignments", body()).then((one) => { setProblem(null); made(one); }, (error) => setProblem(asProblem(error)));
+  const create = async () => made(await post<Assignment>("/assignments", body()));
   return (
     <>
       <div class="form-groups">
@@ -87,7 +87,7 @@ function Fields({ name, rig, request, made }: FieldsProps) {
           <NumberField label="A size is right within" unit="%" value={tolerance} set={setTolerance} min={0} max={100} />
         </Group>
         {problem && <ProblemNote problem={problem} />}
-        <button type="button" class="primary" disabled={!title.trim()} onClick={create}>Hand out the assignment</button>
+        <button type="button" class="primary" disabled={!title.trim() || busy} onClick={() => run(create)}>Hand out the assignment</button>
       </div>
       <Actions python={() => program(assignmentLines(body()))} />
     </>

@@ -8,7 +8,7 @@ import { save } from "../parts/actions";
 import { Group, SelectField, TextArea, TextField } from "../parts/fields";
 import { Empty, Loading, ProblemNote } from "../parts/notes";
 import { type State, go } from "../state";
-import { asProblem, usePolled } from "../use";
+import { useActions, usePolled } from "../use";
 import { AssignmentForm } from "./assignment-form";
 import { LinksOf } from "./class-links";
 import { MarksTable } from "./marks";
@@ -64,20 +64,16 @@ function Watched({ assignment }: { assignment: Assignment }) {
 
 function NewClass({ made }: { made(id: string): void }) {
   const [name, setName] = useState("");
-  const [problem, setProblem] = useState<ReturnType<typeof asProblem> | null>(null);
-  const create = () =>
-    createClass(name.trim()).then(
-      (entry) => {
-        setName("");
-        setProblem(null);
-        made(entry.id);
-      },
-      (error) => setProblem(asProblem(error)),
-    );
+  const { run, busy, problem } = useActions();
+  const create = async () => {
+    const entry = await createClass(name.trim());
+    setName("");
+    made(entry.id);
+  };
   return (
     <Group title="New class">
       <TextField label="Name of the class" value={name} set={setName} />
-      <button type="button" class="wide" disabled={!name.trim()} onClick={create}>Create the class</button>
+      <button type="button" class="wide" disabled={!name.trim() || busy} onClick={() => run(create)}>Create the class</button>
       {problem && <ProblemNote problem={problem} />}
     </Group>
   );
@@ -88,24 +84,19 @@ function KeysOf({ entered }: { entered: ClassEntry }) {
   const [text, setText] = useState("");
   const [keys, setKeys] = useState<Blob | null>(null);
   const [count, setCount] = useState(0);
-  const [problem, setProblem] = useState<ReturnType<typeof asProblem> | null>(null);
+  const { run, busy, problem } = useActions();
   const names = namesOf(text);
   const handOut = async () => {
-    try {
-      const table = await file(`/classes/${entered.id}/members`, "text/csv", { names });
-      setProblem(null);
-      setKeys(table);
-      setCount(names.length);
-      setText("");
-      save(table, "keys.csv");
-    } catch (error) {
-      setProblem(asProblem(error));
-    }
+    const table = await file(`/classes/${entered.id}/members`, "text/csv", { names });
+    setKeys(table);
+    setCount(names.length);
+    setText("");
+    save(table, "keys.csv");
   };
   return (
     <Group title="Keys">
       <TextArea label="Names, one a line" value={text} set={setText} rows={4} />
-      <button type="button" class="wide" disabled={!names.length} onClick={handOut}>{names.length === 1 ? "Make 1 key" : `Make ${names.length || ""} keys`}</button>
+      <button type="button" class="wide" disabled={!names.length || busy} onClick={() => run(handOut)}>{names.length === 1 ? "Make 1 key" : `Make ${names.length || ""} keys`}</button>
       {keys && (
         <>
           <p class="hint" role="status">{count === 1 ? "The key is in keys.csv. It is told once" : `${count} keys are in keys.csv. They are told once`}: keep the file.</p>

@@ -7,7 +7,7 @@ import { csv, save } from "../parts/actions";
 import { Group } from "../parts/fields";
 import { ProblemNote } from "../parts/notes";
 import { origin } from "../python";
-import { asProblem } from "../use";
+import { useActions } from "../use";
 
 interface Member {
   id: string;
@@ -27,24 +27,16 @@ async function linksOf(entered: ClassEntry): Promise<{ count: number; table: Blo
 /** Links are told once: they go into a file and never into the page. */
 export function LinksOf({ entered }: { entered: ClassEntry }) {
   const [made, setMade] = useState<{ count: number; table: Blob } | null>(null);
-  const [busy, setBusy] = useState(false);
-  const [problem, setProblem] = useState<ReturnType<typeof asProblem> | null>(null);
+  const { run, busy, problem } = useActions();
   const make = async () => {
-    setBusy(true);
-    setProblem(null);
-    try {
-      const links = await linksOf(entered);
-      setMade(links);
-      if (links.count) save(links.table, "links.csv");
-    } catch (error) {
-      setProblem(asProblem(error));
-    }
-    setBusy(false);
+    const links = await linksOf(entered);
+    setMade(links);
+    if (links.count) save(links.table, "links.csv");
   };
   return (
     <Group title="Links">
       <p class="hint">A link signs its student in once, within a week. The keys count as before.</p>
-      <button type="button" class="wide" disabled={busy} onClick={make}>Make a link for each student</button>
+      <button type="button" class="wide" disabled={busy} onClick={() => run(make)}>Make a link for each student</button>
       {made && <p class="hint" role="status">{made.count ? `${made.count} links are in links.csv. They are told once: keep the file.` : "The class has no students yet."}</p>}
       {made && made.count > 0 && <button type="button" class="wide" onClick={() => save(made.table, "links.csv")}>Save links.csv again</button>}
       {problem && <ProblemNote problem={problem} />}

@@ -10,7 +10,7 @@ import { Group, NumberField, SelectField, StartButton } from "../parts/fields";
 import { Empty, Loading, ProblemNote, WorkNote, brief } from "../parts/notes";
 import { literal, program } from "../python";
 import { type State, go } from "../state";
-import { asProblem, useLoaded, useWork } from "../use";
+import { useActions, useLoaded, useWork } from "../use";
 import type { Range } from "../plot/chart";
 import { Comparison } from "./comparison";
 import { CandidateTable, GapByStep, RivalTable, StepList } from "./findings";
@@ -84,15 +84,9 @@ export function DiagnoseView({ state }: { state: State }) {
 }
 
 function OwnFiles() {
-  const [problem, setProblem] = useState<ReturnType<typeof asProblem> | null>(null);
+  const { run, problem } = useActions();
   const take = (files: File[]) =>
-    fromFile(files[0]).then(
-      (made) => {
-        setProblem(null);
-        go({ s: made.id, rig: undefined, d: undefined });
-      },
-      (error) => setProblem(asProblem(error)),
-    );
+    run(async () => go({ s: (await fromFile(files[0])).id, rig: undefined, d: undefined }));
   return (
     <Group title="Own files">
       <DropZone label="Drop a model here" hint="JSON body, Nastran .bdf, mesh, npz" take={take} />

@@ -12,7 +12,7 @@ import { Empty, Loading, ProblemNote } from "../parts/notes";
 import { program, rigLines, structureLine } from "../python";
 import { type RigDraft, directionsAt, mainDirection, packed, unpacked, usualRig } from "../rig";
 import { type State, address, go } from "../state";
-import { asProblem, useKept, useLoaded } from "../use";
+import { asProblem, useActions, useKept, useLoaded } from "../use";
 import { AnalyserPanel, HardwarePanel } from "./analyser";
 import { HiddenPanel } from "./hidden-panel";
 import { StructurePanel } from "./structure-panel";
@@ -118,16 +118,13 @@ function DriveAndDirection({ rig, dofs, direction, set }: { rig: RigDraft; dofs:
 }
 
 function Undamped({ id, members }: { id: string; members: number[] }) {
-  const [problem, setProblem] = useState<Problem | null>(null);
-  const give = () =>
-    post<Structure>(`/structures/${id}/changes`, { changes: [{ members, property: "loss_factor", value: 0.005 }] }).then(
-      (made) => go({ s: made.id }),
-      (error) => setProblem(asProblem(error)),
-    );
+  const { run, busy, problem } = useActions();
+  const changes = [{ members, property: "loss_factor", value: 0.005 }];
+  const give = async () => go({ s: (await post<Structure>(`/structures/${id}/changes`, { changes })).id });
   return (
     <div class="notice">
       <p>This model has no damping: its resonances would be infinite.</p>
-      <button type="button" onClick={give}>Give every member a loss factor of 0.005</button>
+      <button type="button" disabled={busy} onClick={() => run(give)}>Give every member a loss factor of 0.005</button>
       {problem && <ProblemNote problem={problem} />}
     </div>
   );

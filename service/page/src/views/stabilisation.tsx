@@ -11,7 +11,7 @@ import { ticks } from "../plot/figure";
 import { ZoomBar } from "../plot/zoom";
 import { literal, program } from "../python";
 import { go } from "../state";
-import { asProblem, useLoaded } from "../use";
+import { useActions, useLoaded } from "../use";
 
 const [LEFT, RIGHT, TOP, BOTTOM] = [44, 988, 10, 276];
 const STABILITIES = ["new", "stable in frequency", "stable in damping too", "stable in shape too"];
@@ -28,7 +28,7 @@ function Poles({ chart, model }: { chart: Chart; model: ModalModel }) {
   const [kept, setKept] = useState(all);
   const [range, setRange] = useState<Range | null>(null);
   const [pole, setPole] = useState<number | null>(null);
-  const [problem, setProblem] = useState<ReturnType<typeof asProblem> | null>(null);
+  const { run, busy, problem } = useActions();
   const freq = useMemo(() => Float64Array.from(chart.indicators.freq), [chart]);
   const flip = (mode: number) => setKept((old) => (old.includes(mode) ? old.filter((one) => one !== mode) : [...old, mode]));
   const pick = (index: number) => {
@@ -37,11 +37,7 @@ function Poles({ chart, model }: { chart: Chart; model: ModalModel }) {
     if (mode !== null) flip(mode);
   };
   const drop = all.filter((mode) => !kept.includes(mode));
-  const keep = () =>
-    post<{ id: string }>(`/modal-models/${model.id}/select`, { drop }).then(
-      ({ id }) => go({ x: id, f: [], u: undefined }),
-      (error) => setProblem(asProblem(error)),
-    );
+  const keep = async () => go({ x: (await post<{ id: string }>(`/modal-models/${model.id}/select`, { drop })).id, f: [], u: undefined });
   return (
     <section class="stabilisation" aria-labelledby="stabilisation-title">
       <div class="toolbar">
@@ -61,7 +57,7 @@ function Poles({ chart, model }: { chart: Chart; model: ModalModel }) {
             <span>{mode}: {short(chart.modes[mode - 1], 5)} Hz</span>
           </label>
         ))}
-        <button type="button" disabled={!drop.length || !kept.length} onClick={keep}>Keep {kept.length} of {all.length} modes</button>
+        <button type="button" disabled={!drop.length || !kept.length || busy} onClick={() => run(keep)}>Keep {kept.length} of {all.length} modes</button>
       </div>
       {problem && <ProblemNote problem={problem} />}
       <Doubtful poles={chart.doubtful} />

@@ -10,7 +10,7 @@ import { Actions, csv } from "../parts/actions";
 import { ProblemNote } from "../parts/notes";
 import { Figure, type Series } from "../plot/figure";
 import { literal, program } from "../python";
-import { asProblem } from "../use";
+import { useActions } from "../use";
 import { GapBars } from "./findings";
 
 interface Adoption {
@@ -31,9 +31,9 @@ const WIDTH_OF_BAND = 2; // standard errors
 
 export function UnknownEffect({ result, unknown, curves, goOn }: UnknownProps) {
   const [adopted, setAdopted] = useState<Adoption | null>(null);
-  const [problem, setProblem] = useState<ReturnType<typeof asProblem> | null>(null);
+  const { run, busy, problem } = useActions();
   const parts = useMemo(() => partsOf(curves, unknown), [curves, unknown]);
-  const adopt = () => post<Adoption>(`/diagnoses/${result.id}/adopt`, {}).then(setAdopted, (error) => setProblem(asProblem(error)));
+  const adopt = async () => setAdopted(await post<Adoption>(`/diagnoses/${result.id}/adopt`, {}));
   const quantity = unknown.cause === "internal_force" ? "dynamic stiffness" : "gain";
   const unit = unknown.unit === "1" ? "" : `, ${unknown.unit}`;
   return (
@@ -52,7 +52,7 @@ export function UnknownEffect({ result, unknown, curves, goOn }: UnknownProps) {
           <button type="button" onClick={() => goOn(adopted.structure_id)}>Diagnose with it</button>
         </p>
       ) : (
-        <p><button type="button" onClick={adopt}>Adopt it</button></p>
+        <p><button type="button" disabled={busy} onClick={() => run(adopt)}>Adopt it</button></p>
       )}
       {problem && <ProblemNote problem={problem} />}
       <Actions

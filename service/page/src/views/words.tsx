@@ -28,7 +28,7 @@ function Worded({ assignment, row, mark, marked }: { assignment: Assignment; row
   const given = mark.points !== null;
   const [points, setPoints] = useState(mark.points ?? (row.submission!.words ? mark.maximum : 0));
   const [comment, setComment] = useState(given ? (mark.reasons[0] ?? "") : "");
-  const { run, busy, problem } = useActions(() => undefined, marked);
+  const { run, busy, problem } = useActions(undefined, marked);
   const send = (event: Event) => {
     event.preventDefault();
     run(() => gradeWords(assignment.id, row.student, points, comment.trim()));
