@@ -52,7 +52,7 @@ class SealingSettings(Settings):
         doc="samples of the work that fills up a test",
         derived="a tenth of a millisecond",
     )
-    transform: float = setting(
+    transform_time: float = setting(
         5e-5,
         unit="s",
         doc="time of two transforms of these samples on a core where no test exceeds its estimate",
@@ -101,7 +101,9 @@ def measure_sealed_and_store(
         progress(0.0, "measuring")
 
     estimate = SEALING.solution + duration_of_stepped_measurement(setup, options.route).seconds
-    estimate *= _slowness()  # on a slow core a nonlinear test would exceed it, which a linear one never does
+    estimate *= (
+        _relative_core_time()
+    )  # on a slow core a nonlinear test would exceed it, which a linear one never does
     later = Postponed(SEALING.spare * estimate, SEALING.step)
     if store.measurements.holds(into.id):
         return later  # done by an attempt that died later
@@ -160,7 +162,7 @@ def _transformed(work: FloatArray) -> FloatArray:
     return np.asarray(np.fft.irfft(np.fft.rfft(work), len(work)))
 
 
-def _slowness() -> float:
+def _relative_core_time() -> float:
     """Return how much longer this core takes than the one that estimates are for; at least 1.
 
     Timed anew for every test: other work on the same machine changes it.
@@ -170,7 +172,7 @@ def _slowness() -> float:
     work, n, began = np.ones(SEALING.samples), 0, time.thread_time()
     while (spent := time.thread_time() - began) < SEALING.timing:
         work, n = _transformed(work), n + 1
-    return max(1.0, spent / (n * SEALING.transform))
+    return max(1.0, spent / (n * SEALING.transform_time))
 
 
 def possible_effects(

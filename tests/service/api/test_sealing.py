@@ -277,8 +277,8 @@ def test_a_slow_core_has_longer_estimates(
     monkeypatch: pytest.MonkeyPatch, transform: float, slowness: float
 ) -> None:
     """Without that a nonlinear test would take more than its estimate there, and be told by its duration."""
-    monkeypatch.setattr(sealing, "SEALING", sealing.SealingSettings(transform=transform))
-    found = sealing._slowness()
+    monkeypatch.setattr(sealing, "SEALING", sealing.SealingSettings(transform_time=transform))
+    found = sealing._relative_core_time()
     assert found >= slowness
     assert slowness > 1 or found == 1.0
 
