@@ -78,7 +78,16 @@ class Fit:
     @property
     def bic(self) -> float:
         """Bayesian information criterion, times the correlation length of the data; lower is better."""
-        return self.chi_square + self.n_parameters * self.cost_per_parameter
+        return self.bic_at(1.0)
+
+    def bic_at(self, overdispersion: float) -> float:
+        """Return the BIC with the variance of the residuals that many times that of random error."""
+        return self.chi_square / overdispersion + self.penalty
+
+    @property
+    def penalty(self) -> float:
+        """Penalty of the BIC for all parameters."""
+        return self.n_parameters * self.cost_per_parameter
 
     @property
     def cost_per_parameter(self) -> float:

@@ -1,6 +1,7 @@
 """Acceptance: whether an effect is missing still, and whether an added effect is significant."""
 
 from collections.abc import Mapping, Sequence
+from itertools import takewhile
 
 import numpy as np
 from scipy.special import chdtri
@@ -102,30 +103,38 @@ def smallest_gap_by_chance(error: float) -> float:
 def ranked_by_bic(fits: Sequence[Fit]) -> list[Fit]:
     """Return fits by BIC; of those that describe the same physics effects of the rig come first.
 
-    A rig changes from test to test, a model does not: an omission there is the likelier one.
+    A rig changes from test to test, a model does not: an omission there is the likelier one. Where the best
+    fit leaves more than random error, its mean square is the variance of the residuals (overdispersion):
+    Burnham and Anderson, Model Selection and Multimodel Inference, 2nd ed. (2002), section 2.5.
     """
-    bic = dict(zip(map(id, fits), _criteria(fits), strict=True))
+    overdispersion = max(1.0, min((f.chi_square / f.n_data for f in fits), default=1.0))
+    bic = dict(zip(map(id, fits), _criteria(fits, overdispersion), strict=True))
     order = sorted(fits, key=lambda candidate: bic[id(candidate)])
-    lowest = bic[id(order[0])]
-    equal = [candidate for candidate in order if bic[id(candidate)] - lowest < ACCEPTANCE.same_physics_bic]
+
+    def is_equal(candidate: Fit) -> bool:
+        difference = overdispersion * (bic[id(candidate)] - bic[id(order[0])])
+        return difference < ACCEPTANCE.same_physics_bic
+
+    equal = list(takewhile(is_equal, order))
     return sorted(equal, key=lambda candidate: candidate.effects[-1].structural) + order[len(equal) :]
 
 
-def _criteria(fits: Sequence[Fit]) -> list[float]:
+def _criteria(fits: Sequence[Fit], overdispersion: float = 1.0) -> list[float]:
     """Return the BIC of each fit, bounded from below for an effect that extends another fitted one.
 
     Under leakage chi-square counts correlated lines as independent: a loss of two standard errors may seem
     decisive. The standard error of the additional parameter includes the correlation of lines, so the gain
     over the reduced model is at most the square of its significance.
     """
-    bounds = [_lower_bound(candidate, fits) for candidate in fits]
+    bic = {id(candidate): candidate.bic_at(overdispersion) for candidate in fits}
+    bounds = [_lower_bound(candidate, fits, bic) for candidate in fits]
     return [
-        candidate.bic if bound is None else max(candidate.bic, bound)
+        bic[id(candidate)] if bound is None else max(bic[id(candidate)], bound)
         for candidate, bound in zip(fits, bounds, strict=True)
     ]
 
 
-def _lower_bound(candidate: Fit, fits: Sequence[Fit]) -> float | None:
+def _lower_bound(candidate: Fit, fits: Sequence[Fit], bic: Mapping[int, float]) -> float | None:
     """Return the lower bound of a BIC, see `_criteria`; None if no reduced model was fitted."""
     reduced = candidate.effects[-1].reduced_model() if candidate.effects else None
     if reduced is None:
@@ -142,9 +151,9 @@ def _lower_bound(candidate: Fit, fits: Sequence[Fit]) -> float | None:
     if any(value < ACCEPTANCE.min_significance for value in other_significance):
         return None  # the data may determine only a product of its parameters, not the error of one
     gain = candidate.correlation_length * sum(significance[name] ** 2 for name in extra_parameters)
-    penalty = (candidate.bic - candidate.chi_square) - (plain.bic - plain.chi_square)
+    penalty = candidate.penalty - plain.penalty
     # Far from zero a standard error shows that the parameter is nonzero, not how much worse zero is.
-    return float(plain.bic + penalty - gain) if gain < penalty + ACCEPTANCE.very_strong_bic else None
+    return float(bic[id(plain)] + penalty - gain) if gain < penalty + ACCEPTANCE.very_strong_bic else None
 
 
 def _same_place(first: Effect, second: Effect) -> bool:

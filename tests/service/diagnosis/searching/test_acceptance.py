@@ -135,6 +135,16 @@ def test_a_number_more_has_to_be_told_from_nothing_by_its_own_standard_error(
     assert ranked_by_bic([unsure])[0] is unsure
 
 
+def test_what_an_incomplete_model_leaves_needs_a_gain_over_its_own_size(springs: tuple[Fit, Fit]) -> None:
+    plain, band = springs
+    sure = with_error_of_loss(band, 6.0)
+    missing = 1e3 * plain.n_data
+    far_plain, far_sure = (replace(f, chi_square=f.chi_square + missing) for f in (plain, sure))
+    assert ranked_by_bic([far_sure, far_plain])[0] is far_plain, "50 of a thousand times the noise is chance"
+    nearer = replace(far_sure, chi_square=far_plain.chi_square - 50.0 * 1e3)
+    assert ranked_by_bic([nearer, far_plain])[0] is nearer
+
+
 def test_shares_of_belief_follow_the_order(springs: tuple[Fit, Fit]) -> None:
     plain, band = springs
     test = draw_measurement(rig(), seed=3)
