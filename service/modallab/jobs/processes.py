@@ -1,7 +1,8 @@
 """Worker processes, separate from the server and all ended with it.
 
-One more short job can be worked on than long ones, and processes with long jobs have a low priority: on a
-single core, too, a short job is done while a long one goes on.
+One more short job can be worked on than long ones, and processes with short jobs have a lower priority than
+the service, those with long jobs the lowest: on a single core, too, a request is answered while a short job
+is done, and a short job is done while a long one goes on.
 """
 
 import asyncio
@@ -63,7 +64,7 @@ class WorkerProcesses:
                     return done[0]
                 # Nobody may raise a priority again: that process makes room for a new one.
                 with suppress(BrokenWorkerProcess):
-                    await to_process.run_sync(_end_if_low, limiter=self._unlimited)
+                    await to_process.run_sync(_end_if_long, limiter=self._unlimited)
 
     async def leave(self) -> None:
         """Kill the running processes, and wait for their end."""
@@ -72,24 +73,24 @@ class WorkerProcesses:
         await asyncio.gather(*self._working, *self._starting, return_exceptions=True)
 
 
-def _is_low() -> bool:
-    """Return whether this process has a lower priority than the one that started it."""
+def _lowered() -> int:
+    """Return how much lower the priority of this process is than that of the one that started it."""
     own, parent = (os.getpriority(os.PRIO_PROCESS, pid) for pid in (0, os.getppid()))
-    return own > parent
+    return own - parent
 
 
 def _at_priority(lane: Lane, work: Callable[[], Outcome]) -> tuple[Outcome] | None:
-    """Return the result of work at the priority of its lane; None if this process has another."""
-    if lane is Lane.SHORT and _is_low():
+    """Return the result of work at the priority of its lane; None if this process has a lower one."""
+    missing = (JOB.long_niceness if lane is Lane.LONG else JOB.short_niceness) - _lowered()
+    if missing < 0:
         return None
-    if lane is Lane.LONG and not _is_low():
-        os.nice(JOB.long_niceness)
+    os.nice(missing)
     with answers_apart():
         return (work(),)
 
 
-def _end_if_low() -> None:
-    if _is_low():
+def _end_if_long() -> None:
+    if _lowered() > JOB.short_niceness:
         os._exit(0)
 
 

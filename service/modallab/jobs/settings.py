@@ -51,9 +51,14 @@ class JobSettings(Settings):
         doc="estimated duration up to which a job is short",
         derived="simulated tests and extractions of a class are, a diagnosis never is",
     )
+    short_niceness: int = setting(
+        5,
+        doc="niceness, over that of the service, of a process that runs a short job",
+        derived="where both want the same core, requests get three quarters of it: each takes milliseconds",
+    )
     long_niceness: int = setting(
-        10,
-        doc="niceness of a process that runs a long job",
+        15,
+        doc="niceness, over that of the service, of a process that runs a long job",
         derived="where both want the same core, a short job gets nine tenths of it and the long one goes on",
     )
     latest_jobs: int = setting(

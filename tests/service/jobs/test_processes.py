@@ -56,15 +56,16 @@ def priority() -> int:
     return os.getpriority(os.PRIO_PROCESS, 0)
 
 
-def test_a_long_job_has_a_low_priority_and_a_short_one_never() -> None:
+def test_requests_come_before_short_jobs_and_these_before_long_ones() -> None:
     async def main() -> list[int]:
         processes = WorkerProcesses(1)
         lanes = (Lane.LONG, Lane.LONG, Lane.SHORT, Lane.SHORT)
         return [await processes.run(priority, lane=lane) for lane in lanes]
 
     low, again, *short = anyio.run(main)
-    assert low == again == min(priority() + JOB.long_niceness, 19)  # 19 is the lowest that there is
-    assert short == [priority(), priority()]
+    lowest = 19
+    assert low == again == min(priority() + JOB.long_niceness, lowest)
+    assert short == 2 * [min(priority() + JOB.short_niceness, lowest)]
 
 
 def test_a_short_job_does_not_wait_for_a_long_one_however_many_wait() -> None:
