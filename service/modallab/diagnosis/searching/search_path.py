@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.searching.acceptance import ranked_by_bic
+from modallab.diagnosis.searching.acceptance import is_noise_only, ranked_by_bic
 from modallab.diagnosis.searching.equivalent_values import resolve_equivalents
 from modallab.diagnosis.searching.settings import ACCEPTANCE, SEARCH
 from modallab.rig.effect import Effect
@@ -76,7 +76,7 @@ def _exchanged(predictor: Predictor, path: SearchPath) -> SearchPath:
     The best effect while another was missing need not be the best one now. Where the search was given up,
     one is missing still.
     """
-    if len(path.steps) < 2 or predictor.budget.exhausted:
+    if len(path.steps) < 2 or (predictor.budget.exhausted and not is_noise_only(predictor, path.fit)):
         return path
     best, steps = path.fit, list(path.steps)
     for i, step in enumerate(steps):

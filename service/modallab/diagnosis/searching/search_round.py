@@ -77,7 +77,7 @@ def fit_candidates(
     if candidates.explanation is not None:
         explanation, system = candidates.explanation, predictor.system
         nonlinear = [effect for effect in nonlinear if _is_imitated(effect, explanation, system)]
-        nonlinear = [effect for effect in nonlinear if candidates.may_be_rival(effect)]
+        nonlinear = candidates.rivals_among(nonlinear)
     candidates.examine(nonlinear, part(progress, share, 1.0))
     candidates.fit_reduced_model()
     return ranked_by_bic(candidates.fits)
@@ -127,18 +127,22 @@ class _Round:
                 cost, effect = self._candidates[kind_and_place(best.effects[-1])]
                 self._max_cost, self.explanation = ROUND.hopeless_cost * cost, effect
 
-    def may_be_rival(self, force: Effect) -> bool:
-        """Return whether a nonlinear force may come as near the data as the explanation that was found.
+    def rivals_among(self, forces: Sequence[Effect]) -> list[Effect]:
+        """Return the nonlinear forces that may come as near the data as the explanation that was found.
 
-        It changes FRFs much like an effect that it is linearised to. Where its motion is measured the
+        They change FRFs much like an effect that they are linearised to. Where their motion is measured the
         spectra tell a force too weak for that.
         """
         measured = {channel.response.point for channel in self._predictor.observed.channels}
-        if force.at in measured or not force.linearised_kinds:
-            return True
-        linear = [EFFECTS[kind](at=force.at) for kind in force.linearised_kinds]
-        starts = scan(self._coarse, self._accepted, linear, silent)
-        return any(cost <= self._max_cost for _, cost in self._approached(starts, silent))
+        unclear = [force for force in forces if force.linearised_kinds and force.at not in measured]
+        kinds_and_places = dict.fromkeys(
+            (kind, force.at) for force in unclear for kind in force.linearised_kinds
+        )
+        linear = [EFFECTS[kind](at=place) for kind, place in kinds_and_places]
+        starts = scan(self._coarse, self._accepted, linear, silent) if linear else []
+        approached = self._approached(starts, silent)
+        near = {str(effect.at) for effect, cost in approached if cost <= self._max_cost}
+        return [force for force in forces if force not in unclear or str(force.at) in near]
 
     def _approached(
         self, starts: Sequence[StartingPoint], progress: Progress

@@ -7,8 +7,10 @@ from modallab.core.place import Channels, Members
 from modallab.core.progress import silent
 from modallab.diagnosis.fitting.fit import fit
 from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.searching.acceptance import is_noise_only
 from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, kind_and_place, refine_path
 from modallab.diagnosis.searching.search_round import Suspects, fit_candidates
+from modallab.effects.attached_oscillator import AttachedOscillator
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.gain_error import GainError
 from modallab.effects.local_damping import LocalDamping
@@ -53,6 +55,15 @@ def test_a_first_effect_that_a_rival_beats_beside_the_second_gives_way(predictor
         kind_and_place(WRONG),
     }
     assert all(len(one.effects) == 2 for one in rivals), "each beside the effect that stays"
+
+
+def test_a_found_explanation_is_compared_with_its_rivals_though_the_budget_is_spent() -> None:
+    predictor = predicting(draw_measurement(rig(), [MASS, GAIN], seed=3))[0]
+    oscillator = AttachedOscillator(Dof(4, "Y"), 0.02, frequency=5e3)  # far above the band: a mass
+    path = accepted(predictor, oscillator, (MASS,), GAIN)
+    assert is_noise_only(predictor, path.fit)
+    predictor.budget.limit_to(0.0)
+    assert names(refine_path(predictor, path)) == {kind_and_place(MASS), kind_and_place(GAIN)}
 
 
 def test_a_needless_effect_is_taken_out(predictor: Predictor) -> None:

@@ -58,6 +58,25 @@ def test_an_unmeasured_nonlinear_force_rivals_only_what_its_linearisation_explai
     assert ("cubic_stiffness" in kinds) is approached
 
 
+def test_linearisations_at_all_places_are_scanned_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    scanned: list[set[str]] = []
+
+    def recorded(*given: Any) -> list[StartingPoint]:
+        scanned.append({effect.kind for effect in given[2]})
+        return scan(*given)
+
+    monkeypatch.setattr(module, "scan", recorded)
+    hidden = StiffnessError(None, 1.05)
+    predictor, _ = predicting(draw_measurement(rig(), [hidden]))
+    measured = {channel.response.point for channel in predictor.observed.channels}
+    unmeasured = [dof for dof in (Dof(node, "Y") for node in range(1, 10)) if dof not in measured]
+    assert len(unmeasured) > 1
+    suspects = Suspects([hidden, *map(CubicStiffness, unmeasured)])
+    best, *_ = fit_candidates(predictor, fit(predictor, ()), suspects, progress=silent)
+    assert best.effects[-1].kind == "stiffness_error"
+    assert scanned.count({"ground_spring"}) == 1
+
+
 @pytest.mark.parametrize("explained", [True, False])
 def test_no_nonlinear_force_is_sought_beside_what_assumed_tolerances_explain(
     explained: bool, monkeypatch: pytest.MonkeyPatch
