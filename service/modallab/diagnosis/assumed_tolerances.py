@@ -40,15 +40,12 @@ def refitted_round(fits: Sequence[Fit], second: SearchResult, alone: Fit) -> lis
     max_chi_square = FIT.near_noise * alone.chi_square if explained else np.inf
 
     def refitted(single: Fit) -> Fit:
-        same = _names(single.effects) == _names(alone.effects)
-        if same:
+        if _names(single.effects) == _names(alone.effects):
             return alone
         found = fit(predictor, single.effects, near=second.path.fit, max_chi_square=max_chi_square)
-        return (
-            found
-            if found.chi_square > max_chi_square
-            else with_optional_parameters(predictor, found, second.path.fit)
-        )
+        if found.chi_square > max_chi_square:
+            return found
+        return with_optional_parameters(predictor, found, second.path.fit)
 
     return ranked_by_bic([refitted(single) for single in competitive])
 

@@ -2,14 +2,16 @@
 
 from dataclasses import replace
 from typing import Any
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members
-from modallab.diagnosis import search_task
+from modallab.diagnosis import assumed_tolerances, search_task
 from modallab.diagnosis.diagnose import diagnose_with_options
+from modallab.diagnosis.fitting.fit import Fit
 from modallab.diagnosis.optimisation.tolerance_effects import MemberTolerance
 from modallab.diagnosis.optimisation.tolerances import TolerancePreset
 from modallab.diagnosis.options import DiagnosisOptions
@@ -117,8 +119,18 @@ def test_effects_far_larger_than_the_tolerances_are_searched_once(monkeypatch: p
     assert set(nuisances) == {0}
 
 
-def test_tolerances_may_hide_an_effect_as_small_as_they_are() -> None:
-    """A second effect of 0.6 % is searched for again beside tolerances of 0.5 %, and is none of its own."""
+@pytest.mark.parametrize(("by_tolerances", "hidden"), [(9.0, False), (11.0, True)])
+def test_tolerances_hide_an_effect_that_closes_less_than_ten_times_as_much(
+    by_tolerances: float, hidden: bool
+) -> None:
+    under_stated, under_assumed, without_effect = (
+        Mock(spec=Fit, chi_square=chi_square) for chi_square in (50.0 + by_tolerances, 50.0, 150.0)
+    )
+    assert assumed_tolerances._may_hide_effect(under_stated, under_assumed, without_effect) is hidden
+
+
+def test_an_effect_as_small_as_the_tolerances_is_not_named() -> None:
+    """A second effect of 0.6 % is within the variation of the modulus, 0.5 % for one standard deviation."""
     error = StiffnessError(Members((3,)), 0.6)
     found = diagnosed(INEXACT, error, StiffnessError(Members((7,)), 1.006), max_effects=2)
     assert found.verdict is Verdict.EXPLAINED

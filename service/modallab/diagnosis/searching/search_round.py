@@ -130,8 +130,8 @@ class _Round:
     def rivals_among(self, forces: Sequence[Effect]) -> list[Effect]:
         """Return the nonlinear forces that may come as near the data as the explanation that was found.
 
-        They change FRFs much like an effect that they are linearised to. Where their motion is measured the
-        spectra tell a force too weak for that.
+        They change FRFs much like an effect that they are linearised to: those at its best places may. Where
+        their motion is measured the spectra tell a force too weak for that.
         """
         measured = {channel.response.point for channel in self._predictor.observed.channels}
         unclear = [force for force in forces if force.linearised_kinds and force.at not in measured]
