@@ -46,9 +46,25 @@ def distortion_suspicion(evidence: Evidence) -> float:
     """
     if evidence.response is None:
         return DISTORTION_EVIDENCE.unmeasured
+    if _is_too_coherent(evidence):
+        return 0.0
     wrong = (
         DISTORTION_EVIDENCE.misfit_only
         if evidence.gaps["response"] > DISTORTION_EVIDENCE.misfit_limit
         else 0.0
     )
     return max(wrong, min(1.0, evidence.excess))
+
+
+def _is_too_coherent(evidence: Evidence) -> bool:
+    """Return whether a nonlinear force that changes the FRFs this much adds more incoherent power.
+
+    Its equivalent linearisation changes the FRFs. What is left of it, about as strong, has nothing in common
+    with a random force: both powers here are over the incoherent power predicted without it.
+    """
+    n, gaps = evidence.random_averages, evidence.gaps
+    if n is None:
+        return False
+    of_linearisation = gaps["frf"] / (2 * n)
+    incoherent = np.expm1(np.sqrt(max(gaps["response"] - 1, 0.0) / n))
+    return bool(incoherent < DISTORTION_EVIDENCE.least_distortion * of_linearisation)

@@ -6,8 +6,10 @@ from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.effects.ac_coupling import AcCoupling
 from modallab.effects.channel_delay import ChannelDelay
+from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.exciter_armature import ExciterArmature
 from modallab.effects.force_noise import ForceNoise
+from modallab.effects.friction import Friction
 from modallab.effects.gain_error import GainError
 from modallab.effects.mounted_resonance import MountedResonance
 from modallab.effects.overload import Overload
@@ -80,3 +82,30 @@ def test_a_wrong_force_is_looked_into_however_wrong_the_frfs_are(effect: Effect)
     assert wrong.gaps["frf"] > wrong.gaps["force"] > 3
     assert type(effect).signature(wrong) > 5 * DIAGNOSIS.least_suspicion
     assert type(effect).signature(right) < DIAGNOSIS.least_suspicion, "a force as predicted excludes it"
+
+
+FORCES = [
+    *(CubicStiffness(Dof(5, "Y"), stiffness) for stiffness in (1e8, 1e9, 1e10, 1e12)),
+    *(Friction(Dof(5, "Y"), force) for force in (1e-3, 1e-2, 0.1)),
+]
+
+
+@pytest.mark.parametrize("noise", [1e-5, 1e-3], ids=str)
+@pytest.mark.parametrize("force", FORCES, ids=lambda force: f"{force.kind} {force.parameters}")
+def test_a_nonlinear_force_is_looked_for_wherever_its_distortion_is_seen(force: Effect, noise: float) -> None:
+    predictor, _ = predicting(draw_measurement(rig(noise=noise), [force], seed=2))
+    evidence = collect_evidence(predictor, [])
+    seen = evidence.gaps["response"] > 1.2
+    assert not seen or type(force).signature(evidence) > 5 * DIAGNOSIS.least_suspicion
+
+
+def test_no_nonlinear_force_changes_frfs_that_much_and_leaves_the_coherence() -> None:
+    """Its equivalent linearisation alone changes FRFs; about as much of it has no part in the coherence."""
+    hidden = [StiffnessError(None, 1.05)]
+    random, repeated = (
+        collect_evidence(predicting(draw_measurement(rig(kind=kind, noise=1e-5), hidden, seed=2))[0], [])
+        for kind in ("periodic_random", "pseudo_random")
+    )
+    assert random.gaps["response"] > 1.2, "the wrong FRFs change the response to noise of the force"
+    assert CubicStiffness.signature(random) == Friction.signature(random) == 0
+    assert CubicStiffness.signature(repeated) > 0, "distortion by a force that repeats is coherent"

@@ -13,6 +13,7 @@ from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.diagnosis.residuals.residual import residual
 from modallab.rig.effect import Effect
+from modallab.rig.excitation import EXCITATIONS
 
 
 def collect_evidence(predictor: SingleTestPredictor, effects: Sequence[Effect]) -> Evidence:
@@ -20,6 +21,7 @@ def collect_evidence(predictor: SingleTestPredictor, effects: Sequence[Effect]) 
     observed, predicted = predictor.observed, predictor.predict(effects)
     remainder = residual(observed, predicted)
     modes = predictor.modes()
+    excitation = EXCITATIONS[predictor.setup.analyser.excitation.kind]
     rows = [predictor.system.index(dof) for dof in observed.outputs]
     shifted = predictor.with_frequency_shift(effects, EVIDENCE.difference_step)
     return Evidence(
@@ -34,6 +36,7 @@ def collect_evidence(predictor: SingleTestPredictor, effects: Sequence[Effect]) 
         mode_frequency=modes.frequencies,
         frequency_shift=_frequency_shifts(observed, predicted, shifted, modes.frequencies),
         response_amplitude=np.abs(modes.shapes[rows]).T,
+        random_averages=None if excitation.deterministic else observed.averages,
     )
 
 
