@@ -1,6 +1,8 @@
 """Detection limits: the smallest effects that a test would still have shown."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -116,7 +118,8 @@ class _Visibility:
         self._residual = residual(prediction.observed, prediction.predict(found.effects))
         self._base = self._residual.vector(self._mask)
         self._screen = ModificationScreen(prediction, found.effects)
-        self._nuisances = _Nuisances(prediction.nuisances, len(self._base), weight=self._weight)
+        self._sizes = self._residual.sizes_by_part(self._mask)
+        self._nuisances = _Nuisances(prediction.nuisances, list(self._sizes.values()), weight=self._weight)
         self._excess = _excess_of_parts(predictor, found)
         self._inflation = variance_inflation(predictor, found)
 
@@ -151,16 +154,16 @@ class _Visibility:
 
     def _factor(self, effect: Effect) -> float:
         """Return the factor by which an amount has to grow to be detected; inf if it changes nothing."""
-        change = self._change(effect)
-        gain = self._nuisances.gain(self._weight * change)
+        change = self._nuisances.beside(self._weight * self._change(effect))
+        gain = change.gain
         if not gain > 0:
             return np.inf
         cost = len(effect.fitted_specs()) * self._found.cost_per_parameter
         least = np.sqrt(cost + ACCEPTANCE.very_strong_bic * self._inflation) + DIAGNOSIS.detection_margin
         return self._gap_factor_with_nuisances(change, float(least / np.sqrt(gain)))
 
-    def _gap_factor_with_nuisances(self, change: FloatArray, least: float) -> float:
-        """Return the factor by which a change (n_data,) of residuals has to grow to raise a part of the gap.
+    def _gap_factor_with_nuisances(self, change: "_ChangeBesideNuisances", least: float) -> float:
+        """Return the factor by which a change of residuals has to grow to raise a part of the gap.
 
         Between what it is if nuisance parameters take up nothing and if they have no bounds.
 
@@ -169,21 +172,21 @@ class _Visibility:
         least
             Least factor.
         """
-        weighted = self._weight * change
-        high = max(least, self._gap_factor(self._nuisances.remaining(weighted)))
-        if self._nuisances.within_bounds(high * weighted):
+        high = max(least, self._gap_factor(change.remaining))
+        if change.is_taken_up_within_bounds(high):
             return high
-        low = max(least, self._gap_factor(weighted))
+        low = max(least, self._gap_factor(change.squares))
         for _ in range(DIAGNOSIS.detection_bisections if high > low else 0):
             middle = float(np.sqrt(low * high))
-            seen = self._gap_factor(self._nuisances.remaining_within_bounds(middle * weighted)) <= 1
+            seen = self._gap_factor(change.remaining_within_bounds(middle)) <= 1
             low, high = (low, middle) if seen else (middle, high)
         return high
 
-    def _gap_factor(self, change: FloatArray) -> float:
-        """Return the factor by which a weighted change that nothing takes up has to grow."""
-        raised = self._residual.means_by_part((change / self._weight) ** 2, self._mask)
-        return float(min(np.sqrt(self._excess[part] / max(raised[part], SAFE_DIVISOR)) for part in raised))
+    def _gap_factor(self, squares: FloatArray) -> float:
+        """Return the factor by which a change has to grow, of weighted squares (n_parts,) by part."""
+        raised = squares / self._weight**2 / list(self._sizes.values())
+        excess = np.array([self._excess[part] for part in self._sizes])
+        return float(np.sqrt(excess / np.maximum(raised, SAFE_DIVISOR)).min())
 
     def _change(self, effect: Effect) -> FloatArray:
         """Return the change of the residuals (n_data,) by an effect."""
@@ -198,37 +201,68 @@ class _Visibility:
 class _Nuisances:
     """Nuisance parameters that take up a part of a change of residuals, to first order under their prior."""
 
-    def __init__(self, nuisances: LinearNuisances, n_residuals: int, *, weight: float) -> None:
-        self._precision = nuisances.precision
-        self._derivatives = weight * nuisances.derivatives.reshape(n_residuals, -1)
-        self._room = nuisances.low - nuisances.position, nuisances.high - nuisances.position
-        curvature = self._derivatives.T @ self._derivatives + np.diag(nuisances.precision)
-        self._quadratic = BoundedQuadratic(curvature)
+    def __init__(self, nuisances: LinearNuisances, sizes: Sequence[int], *, weight: float) -> None:
+        self._ends = np.cumsum(sizes)[:-1]
+        derivatives = weight * nuisances.derivatives.reshape(sum(sizes), -1)
+        self._parts = np.split(derivatives, self._ends)
+        self.curvatures = np.array([part.T @ part for part in self._parts])  # (n_parts, n, n)
+        self.precision = nuisances.precision
+        self.low, self.high = (bound - nuisances.position for bound in (nuisances.low, nuisances.high))
+        self.quadratic = BoundedQuadratic(self.curvatures.sum(axis=0) + np.diag(nuisances.precision))
 
-    def gain(self, change: FloatArray) -> float:
-        """Return chi-square of what they leave of a change (n_residuals,), and of their prior."""
-        shift = self._shift(change)
-        remaining = change + self._derivatives @ shift
-        return float(remaining @ remaining + self._precision @ shift**2)
+    def beside(self, change: FloatArray) -> "_ChangeBesideNuisances":
+        """Return a change of residuals (n_residuals,) beside the nuisance parameters."""
+        pieces = np.split(change, self._ends)
+        return _ChangeBesideNuisances(
+            self,
+            np.array([piece @ piece for piece in pieces]),
+            np.array([part.T @ piece for part, piece in zip(self._parts, pieces, strict=True)]),
+        )
 
-    def remaining(self, change: FloatArray) -> FloatArray:
-        """Return what they leave (n_residuals,) of a change, without bounds."""
-        return np.asarray(change + self._derivatives @ self._shift(change))
 
-    def within_bounds(self, change: FloatArray) -> bool:
-        """Return whether they take up a change (n_residuals,) within their bounds."""
-        shift, (low, high) = self._shift(change), self._room
-        return bool(((low <= shift) & (shift <= high)).all())
+@dataclass(frozen=True, eq=False)
+class _ChangeBesideNuisances:
+    """A change of residuals by its products: many factors of it cost no product of residuals."""
 
-    def remaining_within_bounds(self, change: FloatArray) -> FloatArray:
-        """Return what they leave (n_residuals,) of a change within their bounds."""
-        return np.asarray(change + self._derivatives @ self._shift(change, *self._room))
+    nuisances: _Nuisances
+    squares: FloatArray
+    """(n_parts,) sums of its squares."""
+    products: FloatArray
+    """(n_parts, n) with the derivatives by nuisance parameters."""
 
-    def _shift(
-        self, change: FloatArray, low: float | FloatArray = -np.inf, high: float | FloatArray = np.inf
-    ) -> FloatArray:
-        gradient, bounds = self._derivatives.T @ change, np.ones(len(self._precision))
-        return self._quadratic.minimise(gradient, low * bounds, high * bounds)
+    @cached_property
+    def _shift(self) -> FloatArray:
+        """(n,) shift of the nuisance parameters, without bounds."""
+        free = np.full(len(self._gradient), np.inf)
+        return self.nuisances.quadratic.minimise(self._gradient, -free, free)
+
+    @property
+    def _gradient(self) -> FloatArray:
+        return np.asarray(self.products.sum(axis=0))
+
+    @property
+    def gain(self) -> float:
+        """Chi-square of what they leave of it, and of their prior."""
+        return float(self.remaining.sum() + self.nuisances.precision @ self._shift**2)
+
+    @property
+    def remaining(self) -> FloatArray:
+        """(n_parts,) squares of what they leave of it, without bounds."""
+        return self._remaining(1.0, self._shift)
+
+    def is_taken_up_within_bounds(self, factor: float) -> bool:
+        """Return whether they take up so many times the change within their bounds."""
+        shift = factor * self._shift
+        return bool(((self.nuisances.low <= shift) & (shift <= self.nuisances.high)).all())
+
+    def remaining_within_bounds(self, factor: float) -> FloatArray:
+        """Return the squares (n_parts,) of what they leave of so many times the change."""
+        low, high = self.nuisances.low, self.nuisances.high
+        return self._remaining(factor, self.nuisances.quadratic.minimise(factor * self._gradient, low, high))
+
+    def _remaining(self, factor: float, shift: FloatArray) -> FloatArray:
+        own = factor**2 * self.squares + 2 * factor * self.products @ shift
+        return np.maximum(own + self.nuisances.curvatures @ shift @ shift, 0.0)
 
 
 def _excess_of_parts(predictor: Predictor, found: Fit) -> dict[str, float]:

@@ -221,13 +221,19 @@ class BoundedQuadratic:
         """
         newton = -(gradient @ self._inverse)
         best, minimum = np.zeros_like(step), np.zeros(len(step))
+        rows = np.arange(len(step))  # of steps that may improve still
+        fixed = np.ones(step.shape, bool)
         for _ in range(LEAST_SQUARES.projected_steps):
-            slope = gradient + step @ self._curvature
-            value = np.sum(step * (gradient + slope), axis=-1)
-            better = value < minimum
-            best[better], minimum[better] = step[better], value[better]
+            slope = gradient[rows] + step @ self._curvature
+            value = np.sum(step * (gradient[rows] + slope), axis=-1)
+            better = value < minimum[rows]
+            best[rows[better]], minimum[rows[better]] = step[better], value[better]
             bound = ((step <= low) & (slope > 0)) | ((step >= high) & (slope < 0))
-            step = self._with_fixed(newton, step, bound).clip(low, high)
+            other = (bound != fixed).any(axis=1)  # with the same ones fixed the step would repeat itself
+            rows, step, fixed = rows[other], step[other], bound[other]
+            if not len(rows):
+                break
+            step = self._with_fixed(newton[rows], step, fixed).clip(low, high)
         return best
 
     def _with_fixed(self, newton: FloatArray, position: FloatArray, fixed: BoolArray) -> FloatArray:

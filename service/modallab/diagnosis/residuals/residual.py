@@ -99,12 +99,16 @@ class Residual:
 
     def means_by_part(self, squares: FloatArray, mask: BoolArray) -> dict[str, float]:
         """Return the mean over each part of squares (n_data,) of the entries of `vector`."""
-        counts = {
+        sizes = self.sizes_by_part(mask)
+        pieces = np.split(squares, np.cumsum(list(sizes.values()))[:-1])
+        return {name: float(piece.mean()) for name, piece in zip(sizes, pieces, strict=True)}
+
+    def sizes_by_part(self, mask: BoolArray) -> dict[str, int]:
+        """Return the number of entries of `vector` that each part has, one part after the other."""
+        return {
             name: int(self.mask_of(name, mask).sum()) * (2 if np.iscomplexobj(part) else 1)
             for name, part in self.parts.items()
         }
-        pieces = np.split(squares, np.cumsum(list(counts.values()))[:-1])
-        return {name: float(piece.mean()) for name, piece in zip(counts, pieces, strict=True)}
 
     @cached_property
     def rescaled(self) -> dict[str, ComplexArray | FloatArray]:
