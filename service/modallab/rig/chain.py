@@ -1,7 +1,7 @@
 """Measuring chain: structure, rig and effects, as frequency responses of every run's channels."""
 
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -72,6 +72,11 @@ class Chain:
         """(n_run, r) root mean square motions at the nonlinear forces, m or m/s; None if one is at rest."""
         rms = np.array([[force.rms for force in run.local_forces] for run in self.runs])
         return rms if rms.size and rms.all() else None
+
+    @property
+    def without_distortion(self) -> "Chain":
+        """The chain with the equivalent linearisation of nonlinear forces alone."""
+        return replace(self, runs=tuple(replace(run, local_forces=()) for run in self.runs))
 
     @property
     def overlap(self) -> float:

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.arrays import FloatArray
 from modallab.diagnosis.optimisation.fit_parameters import ParameterVector
 from modallab.diagnosis.optimisation.linear_nuisances import LinearNuisances, NuisanceProjection
 from modallab.diagnosis.optimisation.settings import NUISANCE
-from modallab.diagnosis.predicting.coarse_spectra import CoarseBase, CoarseSpectra
+from modallab.diagnosis.predicting.coarse_spectra import CoarseBase, CoarseSpectra, is_nonlinear
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.diagnosis.residuals.residual import inflation_weights, residual
@@ -62,7 +62,7 @@ class CoarsePrediction:
         nuisances = self.predictor.nuisances
 
         def predict(deviations: Sequence[Effect]) -> Predicted:
-            return self.predict([*deviations, *self.base])
+            return self.predict([*self.base, *deviations])
 
         if not len(nuisances):
             return np.zeros((0, 0))
@@ -120,44 +120,56 @@ class CoarsePrediction:
 class _CorrectedSpectra:
     """Coarse spectra of one test, times the ratio of exact to coarse ones without the addition.
 
-    The error of leakage on a coarse grid is nearly the same with and without a small addition, and so
-    cancels in the ratio.
+    The error of leakage on a coarse grid, and of distortion left out, is nearly the same with and without a
+    small addition, and so cancels in the ratio.
     """
 
     spectra: CoarseSpectra
-    h: ComplexArray
-    force: FloatArray
-    incoherent: FloatArray
     base: CoarseBase
+    exact: Predicted
+    """Exact prediction without an addition, at every `step`-th line."""
 
     def predict(self, effects: Sequence[Effect]) -> Predicted:
         """Return the expected spectra at every `step`-th line with all these effects."""
-        return self._corrected(self.spectra.predict(effects, self.base))
+        kept = self.base.keeps_linearisation(effects)
+        coarse = self.spectra.predict(effects, self.base)
+        return self._corrected(coarse, self._unmodified if kept else self._with_distortion)
 
     def predict_each(self, additions: Sequence[Effect]) -> list[Predicted]:
         """Return the expected spectra at every `step`-th line with each of some additions."""
-        return [self._corrected(coarse) for coarse in self.spectra.predict_each(additions, self.base)]
+        if is_nonlinear(additions):
+            return [self.predict([*self.base.effects, addition]) for addition in additions]
+        each = self.spectra.predict_each(additions, self.base)
+        return [self._corrected(coarse, self._unmodified) for coarse in each]
 
-    def _corrected(self, coarse: Predicted) -> Predicted:
+    @cached_property
+    def _unmodified(self) -> Predicted:
+        """Coarse prediction without an addition."""
+        return self.spectra.predict(self.base.effects, self.base)
+
+    @cached_property
+    def _with_distortion(self) -> Predicted:
+        """Coarse prediction without an addition, distortion included."""
+        return self._unmodified if self.base.linearised is None else self.spectra.predict(self.base.effects)
+
+    def _corrected(self, coarse: Predicted, unmodified: Predicted) -> Predicted:
         return Predicted(
-            coarse.h * self.h,
+            coarse.h * (self.exact.h / unmodified.h),
             coarse.coherence,
-            coarse.force * self.force,
-            coarse.incoherent * self.incoherent,
+            coarse.force * (self.exact.force / unmodified.force),
+            coarse.incoherent * (self.exact.incoherent / unmodified.incoherent),
         )
 
 
 def coarse_prediction(predictor: "SingleTestPredictor", base: Sequence[Effect]) -> CoarsePrediction:
     """Return coarse predictions of additions to base effects, exact without an addition."""
-    unmodified = predictor.coarse_spectra.base(base)
-    exact, coarse = predictor.predict(base), predictor.coarse_spectra.predict(base, unmodified)
     lines = predictor.coarse_places
-    spectra = _CorrectedSpectra(
-        predictor.coarse_spectra,
-        exact.h[lines] / coarse.h,
-        exact.force[lines] / coarse.force,
-        exact.incoherent[lines] / coarse.incoherent,
-        unmodified,
+    coarse = predictor.coarse_spectra
+    spectra = _CorrectedSpectra(coarse, coarse.base(base), predictor.predict(base).at(lines))
+    return CoarsePrediction(
+        predictor,
+        base,
+        predictor.observed.at(lines),
+        spectra.predict,
+        predict_together=spectra.predict_each,
     )
-    observed = predictor.observed.at(lines)
-    return CoarsePrediction(predictor, base, observed, spectra.predict, predict_together=spectra.predict_each)

@@ -9,17 +9,28 @@ from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.diagnosis.residuals.white_noise import WhiteNoise
 from modallab.estimation.spectra import CrossSpectra
+from modallab.rig.chain import Chain
 from modallab.rig.effect import Effect
 from modallab.rig.expected import coarse_spectra
+from modallab.rig.run import Run
 from modallab.rig.setup import RigSetup
 
 if TYPE_CHECKING:
     from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 
 
+def is_nonlinear(effects: Sequence[Effect]) -> bool:
+    """Return whether one of some effects is a nonlinear force."""
+    return any(effect.on_motion() is not None for effect in effects)
+
+
 @dataclass(frozen=True, eq=False)
 class CoarseBase:
-    """Coarse spectra of one test with some effects, of which additions in single channels change few runs."""
+    """Coarse spectra of one test with some effects, of which additions in single channels change few runs.
+
+    Nonlinear forces among the effects are taken for their equivalent linearisation, which linear additions
+    keep.
+    """
 
     effects: tuple[Effect, ...]
     """The effects."""
@@ -27,17 +38,22 @@ class CoarseBase:
     """Their spectra, before free levels are fitted."""
     noise: WhiteNoise | None
     """Noise beside them, from which fits of free levels start."""
+    linearised: tuple[Run, ...] | None = None
+    """Runs with the equivalent linearisation of nonlinear forces among the effects; None without any."""
+
+    def keeps_linearisation(self, effects: Sequence[Effect]) -> bool:
+        """Return whether effects are those of the base and linear additions to them."""
+        n = len(self.effects)
+        return tuple(effects[:n]) == self.effects and not is_nonlinear(effects[n:])
 
     def changed_runs(self, effects: Sequence[Effect], setup: RigSetup) -> list[int] | None:
         """Return the indices of the runs in which effects differ from the base; None: maybe in all.
 
-        A nonlinear force is linearised for all runs from the motion of the first one.
+        A nonlinear force that is added is linearised for all runs from the motion of the first one.
         """
-        n = len(self.effects)
-        added = [effect.at for effect in effects[n:]]
-        known = tuple(effects[:n]) == self.effects
-        if not known or any(effect.on_motion() is not None for effect in effects):
+        if not self.keeps_linearisation(effects):
             return None
+        added = [effect.at for effect in effects[len(self.effects) :]]
         points = {point for at in added if isinstance(at, Channels) for point in at.points}
         if not all(isinstance(at, Channels) for at in added):
             return None
@@ -71,8 +87,10 @@ class CoarseSpectra:
 
     def base(self, effects: Sequence[Effect]) -> CoarseBase:
         """Return the spectra of some effects, for predictions of additions to them."""
-        spectra = self._spectra(effects)
-        return CoarseBase(tuple(effects), spectra, self.observed.white_noise(spectra))
+        chain = self._chain(effects)
+        linearised = chain.runs if is_nonlinear(effects) else None
+        spectra = self._of_chain(chain.without_distortion)
+        return CoarseBase(tuple(effects), spectra, self.observed.white_noise(spectra), linearised)
 
     def predict(self, effects: Sequence[Effect], base: CoarseBase | None = None) -> Predicted:
         """Return the expected spectra with all these effects.
@@ -80,7 +98,8 @@ class CoarseSpectra:
         Parameters
         ----------
         base
-            Of a prediction like this one; runs in which effects do not differ from it are its own.
+            Of a prediction like this one; runs in which effects do not differ from it are its own. While
+            additions keep its linearisation, its nonlinear forces are without their distortion.
         """
         start = None if base is None else base.noise
         return Predicted.of(self.observed.with_levels(self._spectra(effects, base), start=start))
@@ -102,12 +121,30 @@ class CoarseSpectra:
         return [predicted[i] for i in range(len(additions))]
 
     def _spectra(self, effects: Sequence[Effect], base: CoarseBase | None = None) -> CrossSpectra:
-        predictor, runs = self.predictor, None
-        if base is not None and predictor.first_setup is None:
-            runs = base.changed_runs(effects, predictor.setup)
+        runs = None
+        if base is None or not base.keeps_linearisation(effects):
+            return self._of_chain(self._chain(effects))
+        if self.predictor.first_setup is None:
+            runs = base.changed_runs(effects, self.predictor.setup)
             if runs == []:
                 return base.spectra
-        share = len(predictor.coarse_lines) / len(predictor.lines)
-        chain = predictor.chain(effects, same_in_all_runs=True, share=share, runs=runs)
-        spectra = coarse_spectra(chain, predictor.step, predictor.coarse_lines)
-        return spectra if base is None or runs is None else base.spectra.with_runs(runs, spectra)
+        linearised = base.linearised
+        if linearised is not None and runs is not None:
+            linearised = tuple(linearised[i] for i in runs)
+        chain = self._chain(effects, linearised, runs)
+        spectra = self._of_chain(chain.without_distortion)
+        return spectra if runs is None else base.spectra.with_runs(runs, spectra)
+
+    def _chain(
+        self,
+        effects: Sequence[Effect],
+        linearised: Sequence[Run] | None = None,
+        runs: Sequence[int] | None = None,
+    ) -> Chain:
+        share = len(self.predictor.coarse_lines) / len(self.predictor.lines)
+        return self.predictor.chain(
+            effects, same_in_all_runs=True, linearised=linearised, share=share, runs=runs
+        )
+
+    def _of_chain(self, chain: Chain) -> CrossSpectra:
+        return coarse_spectra(chain, self.predictor.step, self.predictor.coarse_lines)

@@ -5,7 +5,6 @@ import pytest
 
 from modallab.core.dof import Dof
 from modallab.core.place import Channels
-from modallab.diagnosis.predicting.coarse_spectra import CoarseBase
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.extra_mass import ExtraMass
@@ -18,6 +17,7 @@ from modallab.rig.effect import Effect
 from tests.diagnosing import draw_measurement, predicting, rig
 
 MASS = ExtraMass(Dof(4, "Y"), 0.05)
+HARDENING = CubicStiffness(Dof(5, "Y"), 1e10)
 FOURTH, FIFTH = Dof(4, "Y"), Dof(5, "Y")  # nodes of the third and the fourth run
 
 
@@ -84,5 +84,31 @@ def test_only_what_is_added_to_the_base_may_be_left_out(predictor: Predictor) ->
     gain = GainError(Channels((FOURTH,)), 1.1)
     assert base.changed_runs([gain], test.setup) is None
     assert base.changed_runs([MASS.with_parameters({"mass": 0.06}), gain], test.setup) is None
-    nonlinear = CoarseBase((CubicStiffness(FOURTH, 1e8),), base.spectra, base.noise)
-    assert nonlinear.changed_runs([*nonlinear.effects, gain], test.setup) is None
+
+
+def test_linear_additions_keep_the_linearisation_of_a_nonlinear_force() -> None:
+    """At a fraction of its cost; with a small addition the full prediction is near, by its change."""
+    predictor, _ = predicting(draw_measurement(rig(kind="random", window="hann"), [HARDENING]))
+    base = predictor.coarse_spectra.base([HARDENING])
+    assert base.linearised is not None
+    assert base.changed_runs([HARDENING, GainError(Channels((FOURTH,)), 1.1)], predictor.setup) == [2]
+    prediction, spent = predictor.coarse_prediction([HARDENING]), predictor.budget.spent
+    unmodified, added = prediction.predict([HARDENING]), prediction.predict([HARDENING, MASS])
+    assert predictor.budget.spent - spent < 3
+    exact = [
+        predictor.predict(effects).at(predictor.coarse_places) for effects in ([HARDENING], [HARDENING, MASS])
+    ]
+    np.testing.assert_allclose(unmodified.h, exact[0].h, rtol=1e-9)
+    np.testing.assert_allclose(unmodified.incoherent, exact[0].incoherent, rtol=1e-6)
+    coarse_change, change = (np.log(b.h / a.h) for a, b in ((unmodified, added), exact))
+    near = np.abs(coarse_change - change).mean() / np.abs(change).mean()
+    assert near < 0.1, "the motion at the force, and so its stiffness, changes by a few per cent"
+
+
+def test_beside_a_nonlinear_force_another_one_is_predicted_with_its_distortion() -> None:
+    predictor, _ = predicting(draw_measurement(rig(kind="random", window="hann"), [HARDENING]))
+    softer = HARDENING.with_parameters({"stiffness": 0.99 * HARDENING.stiffness})
+    prediction = predictor.coarse_prediction([HARDENING])
+    for effects in ([HARDENING, CubicStiffness(FIFTH, 1e5)], [softer]):
+        coarse, exact = prediction.predict(effects), predictor.predict(effects).at(predictor.coarse_places)
+        np.testing.assert_allclose(coarse.incoherent, exact.incoherent, rtol=0.05)
