@@ -147,11 +147,23 @@ class _Round:
     def _approached(
         self, starts: Sequence[StartingPoint], progress: Progress
     ) -> Iterator[tuple[Effect, float]]:
-        """Yield the coarse fits from starting points with their costs."""
+        """Yield the coarse fits from starting points with their costs.
+
+        Where two starts of an effect lead to the same cost, far above another's, a third is not tried.
+        """
+        costs: dict[tuple[str, str], list[float]] = {}
+        lowest = np.inf
         for i, start in enumerate(starts):
             progress(i / len(starts), f"approaching {start.effect.kind}")
+            known = costs.setdefault(kind_and_place(start.effect), [])
+            low, high = (min(known[-2:]), max(known[-2:])) if len(known) > 1 else (0.0, np.inf)
+            if low > ROUND.hopeless_cost * lowest and high < (1 + ROUND.same_cost) * low:
+                continue
             with suppress(InvalidInputError):  # an effect that cannot be predicted is no explanation
-                yield coarse_fit(self._coarse, self._accepted, start.effect, start.noise_inflation)
+                effect, cost = coarse_fit(self._coarse, self._accepted, start.effect, start.noise_inflation)
+                known.append(cost)
+                lowest = min(lowest, cost)
+                yield effect, cost
 
     def _fit_neighbours(self) -> None:
         """Fit the best effects of the structure at adjoining places too, on and on while one is better.

@@ -230,6 +230,11 @@ class RoundSettings(Settings):
         doc="cost of a coarse fit, over that of an explanation that leaves noise, above which none is fitted",
         tuned=TESTS,
     )
+    same_cost: float = setting(
+        0.01,
+        doc="relative difference in cost within which two coarse fits of an effect end in the same minimum",
+        derived="ends of coarse fits differ by less than a hundredth of the cost",
+    )
 
 
 @dataclass(frozen=True)

@@ -137,3 +137,22 @@ def test_optional_parameters_are_for_those_near_the_best_fit(monkeypatch: pytest
     found = fit_candidates(predictor, fit(predictor, ()), suspects, progress=silent)
     assert len(found) == 2
     assert [effect.at for effect in extended] == [Dof(5, "Y")]
+
+
+def test_a_third_start_is_not_tried_where_two_lead_to_the_same_high_cost(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    hidden, other = ExtraMass(Dof(5, "Y"), 0.1), StiffnessError(None, 0.99)
+    starts = [StartingPoint(effect, 0.03) for effect in (hidden, *(5 * [other]), *(3 * [hidden]))]
+    monkeypatch.setattr(module, "scan", lambda *_: starts)
+    tried: list[str] = []
+
+    def recorded(*given: Any) -> tuple[Effect, float]:
+        tried.append(given[2].kind)
+        return coarse_fit(*given)
+
+    monkeypatch.setattr(module, "coarse_fit", recorded)
+    predictor, _ = predicting(draw_measurement(rig(), [hidden]))
+    fit_candidates(predictor, fit(predictor, ()), Suspects([hidden, other]), progress=silent)
+    assert tried.count("stiffness_error") == 2
+    assert tried.count("extra_mass") == 4
