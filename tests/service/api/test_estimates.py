@@ -6,6 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from modallab.store.npz import pack, unpack
+from tests.service.api.project_files import files_of, form, zipped
+
 SMALL = {"frequency_max": 200.0, "n_lines": 51, "averages": 10}
 NOISE = {"force": 1e-2, "response": 1e-1}
 DRIVEN = {"drive": "1:+Y", "responses": ["1:+Y", "7:+Y"], "analyser": SMALL, "noise": NOISE}
@@ -68,6 +71,21 @@ def test_estimates_come_as_json_and_in_single_precision(service: Any, watched: s
     reply = service.request("GET", path, headers={"Accept": "application/json"})
     assert np.shape(reply.json()["values"]) == (4, 51, 2, 1, 2)
     assert npz(service.request("GET", f"{path}?precision=single").content)["values"].dtype == np.complex64
+
+
+def test_a_project_file_has_the_estimates_and_those_of_another_test_are_refused(
+    service: Any, watched: str
+) -> None:
+    files = files_of(service.request("GET", "/v1/projects/export").content)
+    reply = service.request("POST", "/v1/projects/import", **form(zipped(files)))
+    copy = reply.json()["ids"][watched]
+    pair = [service.request("GET", f"/v1/measurements/{id}/estimates").content for id in (watched, copy)]
+    assert pair[0] == pair[1]
+    arrays = unpack(files[f"{watched}.npz"])
+    for name in ("values", "coherence"):  # of fewer lines
+        arrays[f"estimates_{name}"] = arrays[f"estimates_{name}"][:, 1:]
+    files[f"{watched}.npz"] = pack(arrays)
+    assert service.request("POST", "/v1/projects/import", **form(zipped(files))).status_code == 422
 
 
 @pytest.mark.parametrize(
