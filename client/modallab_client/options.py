@@ -22,6 +22,11 @@ class MeasurementOptions(TypedDict, total=False):
         "number of time records of every run that are kept, at most as many as averages; of the route "
         "`sampled`, records",
     ]
+    estimates: Annotated[
+        int,
+        "number of estimates of FRFs and coherence that are kept while averages are taken, the last "
+        "after all; of the route `sampled`, estimates",
+    ]
 
 
 class ExtractionOptions(TypedDict, total=False):

@@ -12,7 +12,7 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab_client import correlation, models, results, time_records
+from modallab_client import correlation, estimates, models, results, time_records
 from modallab_client._generated import models as generated
 
 _DESCRIPTION = "description"  # the array that holds the JSON
@@ -25,7 +25,8 @@ def save(result: Any, path: str | Path) -> Path:
     Parameters
     ----------
     result
-        Anything that the client returns: a measurement, modes, an update, a diagnosis, time records.
+        Anything that the client returns: a measurement, modes, an update, a diagnosis, time records,
+        estimates.
     path
         Mostly with the suffix `.npz`.
 
@@ -65,7 +66,7 @@ def load(path: str | Path) -> Any:
 @cache
 def _kinds() -> dict[str, type]:
     """Return the types of results by name."""
-    modules = (generated, models, correlation, time_records, results)
+    modules = (generated, models, correlation, time_records, estimates, results)
     return {cls.__name__: cls for module in modules for cls in vars(module).values() if _is_kind(cls)}
 
 

@@ -9,6 +9,7 @@ import pytest
 
 from modallab_client import load, save
 from modallab_client._read import read_as
+from modallab_client.estimates import Estimates
 from modallab_client.methods.modal_models import modal_model_of
 from modallab_client.methods.updates import update_of
 from modallab_client.models import Frf, ModeShapes
@@ -25,6 +26,10 @@ RESULTS = {
     "diagnosis": read_as(Diagnosis, completed(Diagnosis, DIAGNOSIS), curves=None),
     "FRFs": Frf(LINES, np.full((3, 1, 1), 1 - 2j), ("2:+Y",), ("1:+Y",), "mobility", ("a note",)),
     "shapes": ModeShapes(LINES, np.ones((1, 3), complex), ("1:+Y",)),
+    "estimates": Estimates(
+        *(np.array([1, 3]), LINES, np.ones((2, 3, 1, 1), complex), np.ones((2, 3, 1))),
+        *(("2:+Y",), ("1:+Y",), "inertance"),
+    ),
     "records": TimeRecords(np.ones((2, 4, 1, 1)), np.zeros((2, 4, 1, 1)), 8.0, (("1:+Y",),), (("2:+Y",),)),
 }
 

@@ -42,8 +42,8 @@ def test_the_search_asks_every_operation_about_what_is_there(search: Search) -> 
             ), path
         if method == "GET" and path.startswith(("/v1/measurements/{id}", "/v1/jobs", "/v1/assignments")):
             is_told = any(request.startswith(f"GET {before}") and request.endswith(after) for request in good)
-            # No time records are kept of sealed measurements.
-            assert is_told == (not path.endswith(("/truth", "/records"))), path
+            # No time records and no estimates are kept of sealed measurements.
+            assert is_told == (not path.endswith(("/truth", "/records", "/estimates"))), path
 
 
 def test_the_search_finds_what_the_instructor_is_told(search: Search) -> None:

@@ -10,6 +10,7 @@ from modallab_client import _wire
 from modallab_client._async.jobs import AsyncJob
 from modallab_client._async.shelf import AsyncShelf
 from modallab_client._plausibility import warned
+from modallab_client.estimates import Estimates, estimates_of
 from modallab_client.methods.measurements import measurement_of
 from modallab_client.options import MeasurementOptions
 from modallab_client.results import (
@@ -45,8 +46,9 @@ class AsyncMeasurements(AsyncShelf):
         structure_id, rig_id
             What is tested, and with what.
         options
-            Options of the test: `effects`, `[{"kind", "at", "parameters"}]`, `route`, `seed`, and `records`,
-            how many time records are kept. Their meaning: `modallab_client.options.MeasurementOptions`.
+            Options of the test: `effects`, `[{"kind", "at", "parameters"}]`, `route`, `seed`, and `records`
+            and `estimates`, how many time records and estimates are kept. Their meaning:
+            `modallab_client.options.MeasurementOptions`.
         """
         given = _wire.body(**options)
         effects = [*given.pop("effects", ())]  # of any sequence
@@ -129,6 +131,11 @@ class AsyncMeasurements(AsyncShelf):
         """Return the time records that a measurement kept, started with `records=n`."""
         path = f"{self.path}/{id_of(measurement_id)}/records"
         return _wire.read(time_records_of, await self._transport.npz(path))
+
+    async def estimates(self, measurement_id: Identified) -> Estimates:
+        """Return FRFs and coherence while averages were taken, of a test started with `estimates=n`."""
+        path = f"{self.path}/{id_of(measurement_id)}/estimates"
+        return _wire.read(estimates_of, await self._transport.npz(path))
 
     async def wav(self, measurement_id: Identified) -> bytes:
         """Return the time records as a sound file: all channels side by side, forces first."""

@@ -1205,6 +1205,8 @@ class Measurement(MeasurementMethods):
     """Versions of the numerical libraries, by name."""
     made_from: Mapping[str, str]
     """ids of the objects it was made from, by role"""
+    n_estimates: int
+    """Number of estimates that were kept while averages were taken, the last after all."""
     n_lines: int
     """Number of frequency lines."""
     n_records: int

@@ -12,6 +12,7 @@ from modallab.correlation.compare import Correlation
 from modallab.correlation.orthogonality import Orthogonality
 from modallab.correlation.responses import ResponseCorrelation
 from modallab.diagnosis.result_curves import DiagnosisCurves
+from modallab.rig.estimates import Estimates
 from modallab.rig.measurement import Measurement
 from modallab.rig.time_records import TimeRecords
 from modallab.updating.direct.result import DirectResult
@@ -56,6 +57,15 @@ RECORDS = array_replies(
         "outputs": ArraySpec("response DoFs of every run", "n_runs, n_responses", "text"),
         "force_unit": ArraySpec("unit of `force`", "", "text"),
         "response_unit": ArraySpec("unit of `response`", "", "text"),
+    },
+)
+ESTIMATES = array_replies(
+    "EstimateArrays",
+    "FRFs and coherence of a measurement after its first averages, up to all of them",
+    {
+        **arrays_of(Estimates, "n_averages", "values", "coherence"),
+        **arrays_of(FrfSet, "freq", "outputs", "inputs"),
+        "kind": _FRF["kind"],
     },
 )
 STRUCTURE_MODES = array_replies(

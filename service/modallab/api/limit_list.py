@@ -66,7 +66,7 @@ def _limits(settings: ServiceSettings) -> Iterator[LimitReply]:
         (JOB, _JOB),
         (OFFLOADING, _OFFLOADING),
         (CONFINEMENT, ("max_bytes",)),
-        (RECORDS, ("kept_samples",)),
+        (RECORDS, ("kept_samples", "kept_estimate_values")),
         (PROJECT, ("max_things",)),
     )
     for group, names in groups:

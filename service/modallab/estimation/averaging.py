@@ -1,5 +1,6 @@
 """Averaged spectra of time records, block by block, and the effective number of averages."""
 
+from collections.abc import Collection
 from functools import lru_cache
 
 import numpy as np
@@ -8,6 +9,8 @@ import scipy.fft
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.estimation.settings import SPECTRUM
 from modallab.estimation.windows import Window
+
+Densities = tuple[ComplexArray, ComplexArray, FloatArray]
 
 
 @lru_cache(maxsize=64)
@@ -35,15 +38,49 @@ def effective_averages(averages: int, overlap: float, window: Window) -> float:
     return averages / total
 
 
+def counts_of(n: int, averages: int, first: int = 1) -> tuple[int, ...]:
+    """Return numbers of averages from the first to all, ascending, as evenly spaced in ratio as counts are.
+
+    Random errors fall with the square root of the averages: equal ratios are equal steps of them.
+
+    Parameters
+    ----------
+    n
+        How many; fewer where there are not as many averages.
+    """
+    counts = [min(first, averages)]
+    for left in range(n - 1, 0, -1):
+        last = counts[-1]
+        if last == averages:
+            break
+        counts.append(max(last + 1, round(last * (averages / last) ** (1 / left))))
+    return tuple(counts)
+
+
 class Averager:
-    """Sums of the auto and cross spectra of one run's channels; memory does not grow with the averages."""
+    """Sums of the auto and cross spectra of one run's channels; memory does not grow with the averages.
+
+    Parameters
+    ----------
+    noted
+        Numbers of averages after which the spectra as they are then are kept, in `snapshots`.
+    """
 
     def __init__(
-        self, window: Window, shape: tuple[int, int], sample_rate: float, *, n_lines: int, n_in: int
+        self,
+        window: Window,
+        shape: tuple[int, int],
+        sample_rate: float,
+        *,
+        n_lines: int,
+        n_in: int,
+        noted: Collection[int] = (),
     ) -> None:
         n_ch, n_samples = shape
         n_out = n_ch - n_in
         self.count = 0
+        self.snapshots: list[Densities] = []
+        self._noted = frozenset(noted)
         self._w = window.weights(n_samples, n_in, n_out)
         self._batch = max(1, SPECTRUM.batch_samples // (n_ch * n_samples))
         self._windowed = np.empty((self._batch, *shape))
@@ -65,9 +102,11 @@ class Averager:
                 self._fx += conjugate * x
                 parts = x.view(float)
                 self._xx += parts * parts
-        self.count += len(blocks)
+                self.count += 1
+                if self.count in self._noted:
+                    self.snapshots.append(self.densities())
 
-    def densities(self) -> tuple[ComplexArray, ComplexArray, FloatArray]:
+    def densities(self) -> Densities:
         """Return one-sided G_ff (n_lines, n_in, n_in), G_fx (n_lines, n_in, n_out), G_xx (n_lines, n_out)."""
         scale = self._scale / self.count
         ff: ComplexArray = np.moveaxis(self._ff, -1, 0) * scale

@@ -51,6 +51,14 @@ class MeasurementOptions(Options):
         doc="number of time records of every run that are kept, at most as many as averages; of the route "
         "`sampled`",
     )
+    estimates: int = option(
+        0,
+        unit="estimates",
+        lower=0,
+        upper=RECORDS.most_estimates,
+        doc="number of estimates of FRFs and coherence that are kept while averages are taken, the last "
+        "after all; of the route `sampled`",
+    )
 
 
 def measure_and_store(
@@ -64,7 +72,8 @@ def measure_and_store(
     rig_id, seed = inputs.rig_id, options.seed
     truth = Truth(inputs.structure_id, options.effects)
     setup = store.rigs.get(rig_id)
-    measurement = measured(store, progress, truth, setup, options.route, seed, records=options.records)
+    kept = {"records": options.records, "estimates": options.estimates}
+    measurement = measured(store, progress, truth, setup, options.route, seed, **kept)
     with store.together() as batch:
         batch.measurements.add(
             measurement, owner=into.owner, inputs={"rig_id": rig_id}, seed=seed, id=into.id
@@ -119,14 +128,14 @@ def measured(
     seed: int,
     *,
     records: int = 0,
+    estimates: int = 0,
 ) -> Measurement:
     """Return the measurement of a virtual test, with its route, seed and libraries."""
     structure = store.structures.get(truth.structure_id)
     hidden = [build(spec) for spec in truth.effects]
     rng = np.random.default_rng(seed)
-    measurement = measure(
-        structure, setup, hidden, route=Route(route), rng=rng, progress=progress, records=records
-    )
+    kept = {"records": records, "estimates": estimates}
+    measurement = measure(structure, setup, hidden, route=Route(route), rng=rng, progress=progress, **kept)
     return replace(measurement, seed=seed, route=route, libraries=_LIBRARIES)
 
 

@@ -1,6 +1,7 @@
 """Simulated measurement by any route."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from enum import StrEnum
 from typing import Any
@@ -8,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.progress import Progress, silent
@@ -24,6 +25,7 @@ from modallab.rig.chain import Chain, chain
 from modallab.rig.compatibility import check_compatible
 from modallab.rig.distortion import check_first_order
 from modallab.rig.effect import Effect, build
+from modallab.rig.estimates import Estimates, SnapshotKeeper, check_estimates
 from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.expected import expected_spectra, noise_free, noise_in_lines, with_noise
 from modallab.rig.measurement import Measurement
@@ -31,7 +33,7 @@ from modallab.rig.periodic import periodic_signals
 from modallab.rig.sampled import sampled_spectra
 from modallab.rig.settings import SOURCE
 from modallab.rig.setup import RigSetup
-from modallab.rig.time_records import RecordKeeper, TimeRecords, check_records
+from modallab.rig.time_records import RecordKeeper, check_records
 from modallab.rig.wishart import wishart_spectra
 from modallab.rig.wishart_periodic import noncentral_wishart_spectra, signal_of
 
@@ -53,6 +55,7 @@ def measure(
     rng: np.random.Generator,
     progress: Progress = silent,
     records: int = 0,
+    estimates: int = 0,
 ) -> Measurement:
     """Return the simulated measurement of a structure on a rig.
 
@@ -64,6 +67,8 @@ def measure(
         The only source of randomness; not drawn from on the expected route.
     records
         Number of time records that the measurement keeps of every run.
+    estimates
+        Number of estimates of FRFs and coherence that it keeps while averages are taken, the last after all.
 
     Raises
     ------
@@ -77,24 +82,43 @@ def measure(
     check_compatible(setup)
     _check_band(setup)
     check_records(records, setup, sampled=route is Route.SAMPLED)
+    check_estimates(estimates, setup, sampled=route is Route.SAMPLED)
     modelled = [build(spec) for spec in structure.effects]
     for effect in [*modelled, *(build(spec) for spec in setup.effects), *effects]:
         effect.check(structure, setup)
     measuring_chain = chain(assemble(structure), setup, [*modelled, *effects])
     if route is not Route.SAMPLED:
         check_first_order(measuring_chain.runs, measuring_chain.setup.analyser, measuring_chain.source)
-    kept: TimeRecords | None = None
+    analyser = measuring_chain.setup.analyser
+    keeper = RecordKeeper(records, sample_rate_of(analyser)) if records else None
+    snapshots = SnapshotKeeper(estimates, analyser, measuring_chain.n_in) if estimates else None
     if route is Route.SAMPLED:
-        keeper = RecordKeeper(records, sample_rate_of(measuring_chain.setup.analyser)) if records else None
-        spectra = sampled_spectra(measuring_chain, rng, progress, keeper)
-        kept = keeper.records(measuring_chain.n_in) if keeper else None
+        spectra = sampled_spectra(measuring_chain, rng, progress, keeper, snapshots)
     elif route is Route.DRAWN:
         spectra = draw(measuring_chain, rng)
     else:
         spectra = expected_spectra(measuring_chain)
     progress(1.0, "measured")
-    lines = measuring_chain.setup.analyser.lines_at(setup.analyser.freq)
-    return replace(measurement_of(spectra.at(lines), declared), records=kept)
+    lines = analyser.lines_at(setup.analyser.freq)
+    measured = measurement_of(spectra.at(lines), declared)
+    return replace(
+        measured,
+        records=keeper.records(measuring_chain.n_in) if keeper else None,
+        estimates=_estimates(snapshots, measuring_chain, lines, measured) if snapshots else None,
+    )
+
+
+def _estimates(snapshots: SnapshotKeeper, chain: Chain, lines: IntArray, measured: Measurement) -> Estimates:
+    """Return the estimates after the first averages, from as many on as tell the forces apart."""
+    counts, tests = [], []
+    for count, spectra in snapshots.spectra(chain):
+        with suppress(InvalidInputError):  # too few averages for the forces that act at once
+            tests.append(measurement_of(spectra.at(lines), measured.setup))
+            counts.append(count)
+    tests.append(measured)  # of the same shape, even where it is alone
+    values = np.array([test.frf.values for test in tests], np.complex64)
+    coherence = np.array([test.coherence for test in tests], np.float32)
+    return Estimates(np.array(counts, int), values[:-1], coherence[:-1])
 
 
 def _check_band(setup: RigSetup) -> None:

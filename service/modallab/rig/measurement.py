@@ -13,6 +13,7 @@ from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.numerics import COMPARISON_ROUNDING
 from modallab.estimation.partial_coherence import partial_coherence
+from modallab.rig.estimates import Estimates
 from modallab.rig.setup import RigSetup
 from modallab.rig.time_records import TimeRecords
 
@@ -55,6 +56,8 @@ class Measurement:
     """1, standard error of averages that are estimated; None: they are declared."""
     records: TimeRecords | None = None
     """Time records that were kept; None: there are none."""
+    estimates: Estimates | None = None
+    """Estimates after the first averages, as measured; None: none were kept."""
 
     def __post_init__(self) -> None:
         shape = self.frf.values.shape

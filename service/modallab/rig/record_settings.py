@@ -33,6 +33,15 @@ class RecordSettings(Settings):
         doc="samples of all channels of the time records that one test keeps",
         derived="a download of 16 MB in double precision",
     )
+    kept_estimate_values: int = setting(
+        2**19,
+        unit="lines x FRFs",
+        doc="FRF values of all estimates of one test that are kept, beside the last",
+        derived="a download of 13 MB in double precision",
+    )
+    most_estimates: int = setting(
+        100, unit="estimates", doc="estimates of one test that are kept", derived="frames of a slow film"
+    )
     records_per_stretch: int = setting(
         32,
         unit="records",

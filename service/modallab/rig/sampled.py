@@ -4,18 +4,22 @@ from dataclasses import replace
 
 import numpy as np
 
-from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.progress import Progress
-from modallab.estimation.averaging import Averager, effective_averages
+from modallab.estimation.averaging import Averager, Densities, effective_averages
 from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.chain import Chain
+from modallab.rig.estimates import SnapshotKeeper
 from modallab.rig.expected import acquisition, noise_densities, noise_free
 from modallab.rig.records import Recorder
 from modallab.rig.time_records import RecordKeeper
 
 
 def sampled_spectra(
-    chain: Chain, rng: np.random.Generator, progress: Progress, keeper: RecordKeeper | None = None
+    chain: Chain,
+    rng: np.random.Generator,
+    progress: Progress,
+    keeper: RecordKeeper | None = None,
+    snapshots: SnapshotKeeper | None = None,
 ) -> CrossSpectra:
     """Return the averaged spectra of every run from simulated time records.
 
@@ -27,6 +31,8 @@ def sampled_spectra(
     ----------
     keeper
         Receiver of the records, as the analyser takes them.
+    snapshots
+        Receiver of the spectra while averages are taken.
 
     Raises
     ------
@@ -38,13 +44,13 @@ def sampled_spectra(
     clean = noise_free(chain)
     noise, acquisition_state = noise_densities(chain, clean), acquisition(chain, clean)
     n_run, n_in = len(chain.runs), chain.n_in
-    runs: list[tuple[ComplexArray, ComplexArray, FloatArray]] = []
+    noted = () if snapshots is None else snapshots.counts
+    runs: list[Densities] = []
     averager = None
     for batch in recorder.batches(noise, rng):
         if averager is None:
-            averager = Averager(
-                window, recorder.shape, recorder.sample_rate, n_lines=analyser.n_lines, n_in=n_in
-            )
+            size = {"n_lines": analyser.n_lines, "n_in": n_in}
+            averager = Averager(window, recorder.shape, recorder.sample_rate, **size, noted=noted)
         for effect in chain.effects:
             batch = replace(batch, samples=effect.on_records(batch, acquisition_state, rng))
         run, count = batch.run, averager.count + len(batch.samples)
@@ -58,6 +64,8 @@ def sampled_spectra(
         )
         if count == analyser.simulated_averages:
             runs.append(averager.densities())
+            if snapshots is not None:
+                snapshots.add(averager.snapshots)
             averager = None
     ff, fx, xx = (np.array(part) for part in zip(*runs, strict=True))
     averages = effective_averages(analyser.simulated_averages, chain.overlap, window)

@@ -19,6 +19,7 @@ from modallab.core.modal_model import DoubtfulMode, ModalModel, Mode, Stabilisat
 from modallab.correlation.compare import Correlation
 from modallab.diagnosis.result import Diagnosis
 from modallab.fe.structure import Structure
+from modallab.rig.estimates import Estimates
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 from modallab.rig.time_records import TimeRecords
@@ -77,20 +78,21 @@ def arrays_of(thing: Measurement) -> Arrays:
 
 
 _RECORDS = "records_"  # before the names of the arrays of time records
+_ESTIMATES = "estimates_"  # and of those of estimates after the first averages
 
 
-def without_records(payload: bytes) -> bytes:
-    """Return the npz file of a measurement without its time records."""
-    if not any(name.startswith(_RECORDS) for name in names(payload)):
+def results_alone(payload: bytes) -> bytes:
+    """Return the npz file of a measurement without its time records and its estimates on the way."""
+    aside = (_RECORDS, _ESTIMATES)
+    if not any(name.startswith(aside) for name in names(payload)):
         return payload
-    return pack({name: a for name, a in unpack(payload).items() if not name.startswith(_RECORDS)})
+    return pack({name: a for name, a in unpack(payload).items() if not name.startswith(aside)})
 
 
-def _record_arrays(records: TimeRecords | None) -> Arrays:
-    if records is None:
+def _prefixed(prefix: str, thing: TimeRecords | Estimates | None) -> Arrays:
+    if thing is None:
         return {}
-    named = {f.name: np.asarray(getattr(records, f.name)) for f in fields(records)}
-    return {f"{_RECORDS}{name}": array for name, array in named.items()}
+    return {f"{prefix}{f.name}": np.asarray(getattr(thing, f.name)) for f in fields(thing)}
 
 
 def _records(arrays: _ArrayMap) -> TimeRecords | None:
@@ -98,8 +100,13 @@ def _records(arrays: _ArrayMap) -> TimeRecords | None:
     return TimeRecords(kept["force"], kept["response"], float(kept["sample_rate"])) if kept else None
 
 
+def _estimates(arrays: _ArrayMap) -> Estimates | None:
+    kept = _with_prefix(arrays, _ESTIMATES)
+    return Estimates(**kept) if kept else None
+
+
 def _take_measurement(thing: Measurement) -> tuple[Json, Arrays]:
-    arrays = arrays_of(thing) | _record_arrays(thing.records)
+    arrays = arrays_of(thing) | _prefixed(_RECORDS, thing.records) | _prefixed(_ESTIMATES, thing.estimates)
     body = {"setup": to_plain(thing.setup)[0], "seed": thing.seed, "notes": list(thing.notes)}
     body |= {
         "assumed": [to_plain(assumption)[0] for assumption in thing.assumed],
@@ -126,6 +133,7 @@ def _put_measurement(body: Json, arrays: _ArrayMap) -> Measurement:
         assumed=tuple(from_plain(Assumption, tree, {}) for tree in body.get("assumed", ())),
         averages_error=body.get("averages_error"),
         records=_records(arrays),
+        estimates=_estimates(arrays),
     )
 
 

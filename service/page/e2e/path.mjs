@@ -5,6 +5,7 @@
  */
 
 import { readFileSync } from "node:fs";
+import { averageByAverage, noteAverages } from "./averages.mjs";
 import { assert, drawn, examine, fill, picture, tabTo } from "./checks.mjs";
 import { walk } from "./steps.mjs";
 
@@ -75,9 +76,11 @@ async function measure(page) {
   await page.getByRole("heading", { name: "Frequency responses" }).waitFor();
   await tabTo(page, "button.primary");
   const begin = Date.now();
+  await noteAverages(page);
   await page.keyboard.press("Enter");
   await page.locator(".chart canvas").first().waitFor();
   const measured = Date.now() - begin;
+  await averageByAverage(page, folder);
   await tabTo(page, ".chart");
   await page.keyboard.press("ArrowRight");
   assert(/\d Hz/.test(await page.locator(".readout-freq").innerText()), "the cursor tells a frequency");

@@ -47,6 +47,7 @@ export interface Measurement {
   inputs: string[];
   n_lines: number;
   n_records: number;
+  n_estimates: number;
   frequency_min: number;
   frequency_max: number;
   notes: string[];

@@ -37,6 +37,19 @@ export function thin(x: ArrayLike<number>, y: ArrayLike<number>, low: number, hi
   return kept;
 }
 
+/** Return the least and the greatest value of curves over an interval of `x`. */
+export function extentIn(x: ArrayLike<number>, curves: ArrayLike<number>[], low: number, high: number): [number, number] {
+  const [begin, end] = [firstAtLeast(x, low), Math.min(x.length, firstAtLeast(x, high) + 1)];
+  let [least, greatest] = [Infinity, -Infinity];
+  for (const y of curves) {
+    for (let i = begin; i < end; i++) {
+      if (y[i] < least) least = y[i];
+      if (y[i] > greatest) greatest = y[i];
+    }
+  }
+  return [least, greatest];
+}
+
 /** Return the first index at which ascending `x` is at least `value`. */
 export function firstAtLeast(x: ArrayLike<number>, value: number): number {
   let low = 0;

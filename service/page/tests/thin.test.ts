@@ -1,9 +1,15 @@
 import { expect, test } from "vitest";
 import { density } from "../src/plot/raster";
-import { firstAtLeast, thin } from "../src/thin";
+import { extentIn, firstAtLeast, thin } from "../src/thin";
 
 const N = 3201;
 const freq = Float64Array.from({ length: N }, (_, i) => i / 4);
+
+test("the extent of curves is that of the values in sight, missing ones left out", () => {
+  const x = [0, 1, 2, 3];
+  expect(extentIn(x, [[9, 1, 2, 3], [0, 4, Number.NaN, 8]], 1, 2)).toEqual([1, 4]);
+  expect(extentIn(x, [[9, 1, 2, 3]], 0, 3)).toEqual([1, 9]);
+});
 
 test("a spike of one line stays, wherever it is", () => {
   for (const at of [1, 777, 1600, 3199]) {

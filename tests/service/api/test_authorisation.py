@@ -169,8 +169,9 @@ ROWS: dict[str, Row] = {
     "get_measurement_hdf5": owned(id="measurement"),
     "get_measurement_uff": owned(id="measurement"),
     "get_measurement_frf_text": owned(id="measurement"),
-    # the measurement kept none: its owner, too, is told that there is nothing
+    # the measurement kept neither: its owner, too, is told that there is nothing
     "get_records": owned(404, id="measurement"),
+    "get_estimates": owned(404, id="measurement"),
     "get_curves": owned(id="measurement"),
     "get_indicators": owned(id="measurement"),
     "get_reciprocity": owned(id="measurement"),

@@ -167,7 +167,7 @@ def test_a_thing_that_is_bad_keeps_the_good_ones_out(simple: Files, elsewhere: S
 VALUES: tuple[Any, ...] = (None, True, -1, 10**30, 1e300, "x", [], {}, {"$float": "nan"}, {"$array": "freq"})
 PARTS = {
     "structure": ("", "/modes", "/geometry"),
-    "measurement": ("", "/arrays.h5", "/curves", "/log"),
+    "measurement": ("", "/arrays.h5", "/curves", "/log", "/estimates"),
     "modal_model": ("", "/modes.uff"),
     "diagnosis": ("", "/report"),
 }

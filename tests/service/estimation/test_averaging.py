@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.lib.stride_tricks import sliding_window_view
 
-from modallab.estimation.averaging import Averager, effective_averages
+from modallab.estimation.averaging import Averager, counts_of, effective_averages
 from modallab.estimation.windows import WINDOWS
 
 N, RATE = 256, 512.0
@@ -89,6 +89,35 @@ def test_records_in_one_go_or_in_pieces_give_the_same_sums() -> None:
     assert whole.count == pieces.count == 23
     for a, b in zip(whole.densities(), pieces.densities(), strict=True):
         np.testing.assert_array_equal(a, b)
+
+
+def test_spectra_are_noted_on_the_way_as_if_the_test_had_ended_there() -> None:
+    records = np.random.default_rng(6).standard_normal((9, 3, N))
+    sums = Averager(WINDOWS["hann"], (3, N), RATE, n_lines=N // 2 + 1, n_in=1, noted=(1, 4, 8))
+    for start in range(0, 9, 3):
+        sums.add(records[start : start + 3])
+    assert len(sums.snapshots) == 3
+    for count, noted in zip((1, 4, 8), sums.snapshots, strict=True):
+        for a, b in zip(noted, averaged(records[:count], "hann").densities(), strict=True):
+            np.testing.assert_array_equal(a, b)
+
+
+@pytest.mark.parametrize(
+    ("n", "averages", "first", "counts"),
+    [
+        (5, 100, 1, (1, 3, 10, 32, 100)),
+        (10, 30, 1, (1, 2, 3, 4, 6, 8, 11, 15, 21, 30)),
+        (24, 12, 1, tuple(range(1, 13))),
+        (4, 16, 2, (2, 4, 8, 16)),
+        (2, 30, 1, (1, 30)),
+        (3, 1, 1, (1,)),
+        (3, 1, 2, (1,)),
+    ],
+)
+def test_counts_of_averages_have_ratios_as_equal_as_whole_numbers_allow(
+    n: int, averages: int, first: int, counts: tuple[int, ...]
+) -> None:
+    assert counts_of(n, averages, first) == counts
 
 
 def test_all_pairs_of_two_forces_and_the_responses_are_formed() -> None:

@@ -10,7 +10,7 @@ from modallab.rig.measurement import Measurement
 from modallab.rig.plausibility import measurement_warnings
 from modallab.store.base import Entry, Truth
 
-_PARTS = ("frf", "setup", "seed", "records")
+_PARTS = ("frf", "setup", "seed", "records", "estimates")
 _RIG_ID: tuple[Any, str] = (str, "Rig of the test.")
 MeasurementReply = stored_reply(
     Measurement,
@@ -25,6 +25,7 @@ MeasurementReply = stored_reply(
     frequency_min=(float, "Hz, frequency of the first line."),
     frequency_max=(float, "Hz, frequency of the last line."),
     n_records=(int, "Number of time records of every run that were kept."),
+    n_estimates=(int, "Number of estimates that were kept while averages were taken, the last after all."),
     warnings=(replies_of(PhysicsWarning), "What is surely a slip of a unit or a setting."),
 )
 LogReply = stored_reply(
@@ -52,6 +53,7 @@ def measurement_reply(measurement: Measurement, entry: Entry) -> Any:
         frequency_min=float(frf.freq[0]),
         frequency_max=float(frf.freq[-1]),
         n_records=0 if measurement.records is None else len(measurement.records),
+        n_estimates=0 if measurement.estimates is None else len(measurement.estimates) + 1,
         warnings=measurement_warnings(measurement),
     )
 

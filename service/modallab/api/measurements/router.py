@@ -15,6 +15,7 @@ from modallab.api.files import FRF_TEXT, HDF5, UFF, frf_text_reply, hdf5_reply, 
 from modallab.api.jobs import JobReply, job_reply
 from modallab.api.kinds import KindWanted, measured_as
 from modallab.api.measurements.curves import Curves, curves_of
+from modallab.api.measurements.estimates import estimate_arrays
 from modallab.api.measurements.import_form import ImportFormDep, UploadedFiles
 from modallab.api.measurements.indicators import (
     Indicators,
@@ -51,7 +52,7 @@ from modallab.jobs.durations import duration_of_measurement
 from modallab.jobs.tasks import MEASUREMENT
 from modallab.rig.effect import build
 from modallab.store.base import Truth
-from modallab.store.codec import arrays_of, without_records
+from modallab.store.codec import arrays_of, results_alone
 
 router = APIRouter(prefix="/measurements", tags=["measurements"], route_class=OffloadedRoute)
 Decimals = Annotated[
@@ -139,7 +140,7 @@ def get_measurement_arrays(
 ) -> Response:
     """Return FRFs, coherence and auto spectra of a measurement."""
     if kind is None:
-        return form.reply_npz(without_records(store.measurements.npz(id)))
+        return form.reply_npz(results_alone(store.measurements.npz(id)))
     measurement = measured_as(kind, store.measurements.get(id))
     return form.reply(arrays_of(measurement) | {"notes": np.array(measurement.notes, dtype=str)})
 
@@ -162,6 +163,20 @@ def get_records(
     if file_format == "wav":
         return wav_reply(wav_file(records), id)
     return form.reply(record_arrays(records, measurement.setup))
+
+
+@router.get(
+    "/{id}/estimates",
+    response_class=Response,
+    responses=array_tables.ESTIMATES,
+    summary="Get FRFs and coherence while averages were taken",
+)
+def get_estimates(id: IdPath, store: StoreDep, form: ArraysFormatDep) -> Response:
+    """Return FRFs and coherence after the first averages of a measurement, which it kept, up to all of them.
+
+    With as many averages as forces act at once, coherence is 1 by definition, whatever the noise.
+    """
+    return form.reply(estimate_arrays(store.measurements.get(id)))
 
 
 @router.get("/{id}/arrays.h5", response_class=Response, responses=HDF5, summary="Get arrays as an HDF5 file")

@@ -12,6 +12,7 @@ from modallab.core.errors import InvalidInputError, bounds
 from modallab.fe.structure import Structure
 from modallab.jobs.measuring import MeasurementInputs, MeasurementOptions
 from modallab.rig.effect import build
+from modallab.rig.estimates import check_estimates
 from modallab.rig.measure import Route
 from modallab.rig.setup import RigSetup
 from modallab.rig.time_records import check_records
@@ -38,7 +39,7 @@ class MeasurementStart(MeasurementOptionsBody):  # type: ignore[misc]
             If the rig drives or listens where the structure has no DoF.
         InvalidInputError
             If an effect is unknown, cannot sit where it is said to, or a value is out of bounds; if the
-            test has too many lines and FRFs, or cannot keep so many time records.
+            test has too many lines and FRFs, or cannot keep so many time records or estimates.
         """
         _check_size(setup)
         for dof in (*setup.drives, *setup.responses):
@@ -49,7 +50,8 @@ class MeasurementStart(MeasurementOptionsBody):  # type: ignore[misc]
         specs = tuple(effect.spec for effect in effects)
         route = Route(self.route)
         check_records(self.records, setup, sampled=route is Route.SAMPLED)
-        options = MeasurementOptions(specs, route, self.seed, self.records)
+        check_estimates(self.estimates, setup, sampled=route is Route.SAMPLED)
+        options = MeasurementOptions(specs, route, self.seed, self.records, self.estimates)
         return MeasurementInputs(self.structure_id, self.rig_id), options
 
 

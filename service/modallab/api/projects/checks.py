@@ -9,6 +9,7 @@ from pydantic import TypeAdapter
 
 from modallab.api.correlations.replies import correlation_arrays, correlation_reply
 from modallab.api.diagnoses.replies import diagnosis_reply
+from modallab.api.measurements.estimates import estimate_arrays
 from modallab.api.measurements.replies import log_reply, measurement_reply
 from modallab.api.modal_models.replies import modal_model_reply
 from modallab.api.projects.archive import ProjectFile, faults_of_file, refusal
@@ -28,6 +29,7 @@ from modallab.fe.structure import Structure
 from modallab.interchange import uff_modes
 from modallab.rig.effect import build
 from modallab.rig.exact import as_modelled
+from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 from modallab.store.base import Entry
 from modallab.store.codec import CODECS
@@ -46,6 +48,13 @@ def _check_structure(structure: Structure, entry: Entry) -> None:
 def _check_rig(setup: RigSetup, entry: Entry) -> None:
     RigIn.model_validate(rig_request(setup)).to_domain()
     rig_reply(setup, entry).model_dump_json()
+
+
+def _check_measurement(measurement: Measurement, entry: Entry) -> None:
+    for reply in (measurement_reply, log_reply):
+        reply(measurement, entry).model_dump_json()
+    if measurement.estimates is not None:
+        estimate_arrays(measurement)
 
 
 def _check_modal_model(model: ModalModel, entry: Entry) -> None:
@@ -82,7 +91,7 @@ def _check_study(study: Any, entry: Entry) -> None:
 _CHECKS: Mapping[str, Callable[[Any, Entry], None]] = {
     "structure": _check_structure,
     "rig": _check_rig,
-    "measurement": _answers(measurement_reply, log_reply),
+    "measurement": _check_measurement,
     "modal_model": _check_modal_model,
     "correlation": _check_correlation,
     "update": _answers(update_reply),

@@ -5,6 +5,7 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { firstAtLeast, thin } from "../thin";
 import { onLightChange, resolve, rgb } from "./colour";
+import { valueRange } from "./extent";
 import { decades, logTicks, tickText } from "./log-ticks";
 import { density, paint } from "./raster";
 
@@ -29,6 +30,8 @@ export interface ChartProps {
   limits?: Range;
   /** Least value that a logarithmic scale has to show. */
   floor?: number;
+  /** Curves that set the range of values in place of those drawn. */
+  scale?: Float64Array[];
   range: Range | null;
   setRange(range: Range | null): void;
   height: number;
@@ -85,13 +88,15 @@ export function fullRange(x: Float64Array): Range {
 }
 
 function create(element: HTMLElement, latest: { current: ChartProps }): uPlot {
-  const { x, lines, log, limits, floor, unit, height, range, sync } = latest.current;
+  const { x, lines, log, limits, unit, height, range, sync } = latest.current;
   const many = lines.length > MANY;
   const ink = resolve("--soft");
   const grid = resolve("--grid");
   const gridOf = { stroke: grid, width: 1, ...(log && { filter: decades }) };
   const axis = { stroke: ink, font: "12px Plex, system-ui, sans-serif", grid: { stroke: grid, width: 1 }, ticks: { stroke: grid, width: 1, size: 5 } };
   const [min, max] = range ?? fullRange(x);
+  // Before the first drawing a plot has no range of its own yet.
+  const inSight = (u: uPlot): Range => [u.scales.x.min ?? min, u.scales.x.max ?? max];
   const options: uPlot.Options = {
     width: element.clientWidth || 600,
     height,
@@ -99,7 +104,7 @@ function create(element: HTMLElement, latest: { current: ChartProps }): uPlot {
     padding: [8, 28, 0, 0],
     scales: {
       x: { time: false, min, max, auto: false },
-      y: { distr: log ? 3 : 1, range: (u, low, high) => limits ?? margins(...withOwn(u, lines, [Math.max(low, floor ?? low), high], log), log) },
+      y: { distr: log ? 3 : 1, range: (u, low, high) => limits ?? valueRange(latest.current, inSight(u), [low, high]) },
     },
     axes: [
       { ...axis, size: 30, gap: 4, values: (_u, values) => values.map((value, i) => (i === values.length - 1 ? `${value} Hz` : String(value))) },
@@ -129,19 +134,6 @@ function create(element: HTMLElement, latest: { current: ChartProps }): uPlot {
 }
 
 const HIDDEN: uPlot.Series = { paths: () => null, points: { show: false } };
-
-/** Return the range of values with those of curves on lines of their own, as far as they are in sight. */
-function withOwn(u: uPlot, lines: Line[], [low, high]: Range, log?: boolean): Range {
-  for (const { own } of lines) {
-    if (!own) continue;
-    const end = firstAtLeast(own.x, u.scales.x.max!);
-    for (let i = firstAtLeast(own.x, u.scales.x.min!); i < end; i++) {
-      if (own.y[i] > high) high = own.y[i];
-      if (own.y[i] < low && !log) low = own.y[i];
-    }
-  }
-  return [low, high];
-}
 
 /** Return the highest and the lowest value of many curves line by line: all that the scales need of them. */
 function extremes(lines: Line[]): [Float64Array, Float64Array] {
@@ -285,14 +277,4 @@ export function floorOf(x: Float64Array, curves: Float64Array[]): number {
   let least = Infinity;
   for (const y of curves) for (let i = x[0] > 0 ? 0 : 2; i < y.length; i++) if (y[i] > 0 && y[i] < least) least = y[i];
   return least;
-}
-
-function margins(low: number, high: number, log?: boolean): Range {
-  if (!Number.isFinite(low) || !Number.isFinite(high)) return log ? [0.1, 10] : [-1, 1];
-  if (log) {
-    const top = high > 0 ? high : 1;
-    return [Math.max(low, top * 1e-6) / 1.4, top * 1.6];
-  }
-  const space = 0.06 * (high - low || Math.abs(high) || 1);
-  return [low - space, high + space];
 }

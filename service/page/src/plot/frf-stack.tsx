@@ -1,5 +1,6 @@
 /** FRFs of one or several tests: a representation of choice, and coherence under it. */
 
+import type { ComponentChildren } from "preact";
 import { useMemo, useRef, useState } from "preact/hooks";
 import { short } from "../format";
 import { type Curve, type Frfs, type Representation, nearest, part, sameLines, unitOf, withoutWraps } from "../frf";
@@ -24,6 +25,10 @@ interface StackProps {
   onBand?: ChartProps["onBand"];
   /** Representation with which to begin. */
   first?: Representation;
+  /** FRFs of the first test after all averages, where those after fewer are shown: they set the scale. */
+  whole?: Frfs;
+  /** Stands below the plots. */
+  under?: ComponentChildren;
 }
 
 const REPRESENTATIONS: { value: Representation; text: string }[] = [
@@ -41,7 +46,7 @@ interface Shown {
   tone: string;
 }
 
-export function FrfStack({ tests, python, bands, onBand, first = "magnitude" }: StackProps) {
+export function FrfStack({ tests, python, bands, onBand, first = "magnitude", whole, under }: StackProps) {
   const [representation, setRepresentation] = useState<Representation>(first);
   const [log, setLog] = useState(true);
   const [range, setRange] = useState<Range | null>(null);
@@ -53,11 +58,15 @@ export function FrfStack({ tests, python, bands, onBand, first = "magnitude" }: 
   const labels = chosen ?? names;
   const shown = useMemo(() => shownCurves(tests, labels), [tests, labels]);
   const lines = useMemo(() => (representation === "nyquist" ? [] : shown.map((one) => lineOf(one, representation, main.freq))), [shown, representation]);
+  const scale = useMemo(() => {
+    if (!whole || whole === main || representation === "nyquist") return undefined;
+    return shownCurves([{ ...tests[0], frfs: whole }, ...tests.slice(1)], labels).map((one) => lineOf(one, representation, main.freq).y);
+  }, [whole, tests, labels, representation]);
   const coherences = useMemo(
     () => shown.filter(({ curve }) => curve.coherence).map((one) => onLines(one, one.curve.coherence!, main.freq)),
     [shown],
   );
-  const floor = useMemo(() => floorOf(main.freq, lines.map((line) => line.y)), [lines]);
+  const floor = useMemo(() => floorOf(main.freq, scale ?? lines.map((line) => line.y)), [lines, scale]);
   // Kept, for a plot of 500 curves is drawn at every turn of the wheel.
   const choice = useMemo(() => <ResponseChoice names={names} chosen={labels} set={setChosen} />, [names, labels]);
   const choose = (next: Representation) => {
@@ -76,19 +85,20 @@ export function FrfStack({ tests, python, bands, onBand, first = "magnitude" }: 
       {representation === "nyquist" ? (
         <Nyquist svgRef={svg} range={range ?? fullRange(main.freq)} unit={unitOf(main.kind)} curves={shown.slice(0, 24)} />
       ) : (
-        <Chart {...common} title={`${representation} of ${lines.length} FRFs`} lines={lines} unit={unit} log={representation === "magnitude" && log} floor={representation === "magnitude" && log ? floor : undefined} limits={representation === "phase" ? [-190, 190] : undefined} height={340} onCursor={setCursor} />
+        <Chart {...common} title={`${representation} of ${lines.length} FRFs`} lines={lines} scale={scale} unit={unit} log={representation === "magnitude" && log} floor={representation === "magnitude" && log ? floor : undefined} limits={representation === "phase" ? [-190, 190] : undefined} height={340} onCursor={setCursor} />
       )}
       {representation !== "nyquist" && coherences.length > 0 && (
         <Chart {...common} title="Coherence" lines={coherences} unit="coherence" limits={[0, 1.04]} height={130} />
       )}
       {representation !== "nyquist" && <Readout freq={main.freq} index={cursor} values={valuesAt(lines, cursor)} />}
+      {under}
       {tests.some((test) => test.frfs.kind !== main.kind) && <p class="notice">These tests are of different kinds of FRF: only those of one kind can be compared.</p>}
       {lines.length > MANY && <p class="hint">All {lines.length} curves are drawn; the darker, the more of them.</p>}
       {choice}
       <Actions
         python={python}
         downloads={[
-          { text: "CSV", name: "frf.csv", from: () => csv(table(main, shown)) },
+          { text: "CSV", name: whole && whole !== main ? "frf-first-averages.csv" : "frf.csv", from: () => csv(table(main, shown)) },
           { text: "UFF", name: `${tests[0].id}.uff`, from: `v1/measurements/${tests[0].id}/frf.uff` },
           { text: "npz", name: `${tests[0].id}.npz`, from: `v1/measurements/${tests[0].id}/arrays` },
           representation === "nyquist"

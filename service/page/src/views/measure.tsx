@@ -2,6 +2,7 @@
 
 import { useCallback, useState } from "preact/hooks";
 import { post } from "../api";
+import { keptEstimates, keptRecords } from "../averaging";
 import { words } from "../format";
 import { hiddenEffects } from "../hidden";
 import { type Measurement, catalogue, frfs, geometry, measurement, structure, structureModes } from "../model";
@@ -13,6 +14,7 @@ import { type RigDraft, bodyOf, unpacked, usualRig } from "../rig";
 import { type State, address, go } from "../state";
 import { useLoaded, useWork } from "../use";
 import { AveragesNote } from "./averages";
+import { AveragingBar, useAveraging, useStep } from "./averaging";
 import { ImportZone } from "./import-zone";
 import { SignalPanel } from "./signals";
 
@@ -20,8 +22,10 @@ const MOST_TESTS = 6; // in one plot
 
 export function MeasureView({ state }: { state: State }) {
   const [seed, setSeed] = useState(1);
+  const [fresh, setFresh] = useState<string | null>(null);
   const done = useCallback(
     (id: string) => {
+      setFresh(id);
       setSeed((n) => n + 1);
       go({ t: [id, ...state.t].slice(0, MOST_TESTS), x: undefined, u: undefined, d: undefined });
     },
@@ -33,12 +37,14 @@ export function MeasureView({ state }: { state: State }) {
   );
   const known = useLoaded("catalogue/structures", () => catalogue("structures"));
   const tests = useLoaded(state.t.length ? `tests/${state.t}` : null, () => Promise.all(state.t.map(loadTest)));
+  const averaging = useAveraging(tests.value?.[0], fresh);
+  const shown = useStep(tests.value, averaging);
   const rig = found.value && unpacked(state.rig, usualRig(found.value[1].dofs, found.value[2].frequencies));
   const effects = hiddenEffects();
   const start = () =>
     work.start("/measurements", async () => {
       const declared = await post<{ id: string }>("/rigs", bodyOf(rig!));
-      return { structure_id: state.s, rig_id: declared.id, effects, seed, records: keptRecords(rig!) };
+      return { structure_id: state.s, rig_id: declared.id, effects, seed, records: keptRecords(rig!), estimates: keptEstimates(rig!) };
     });
   const python = () =>
     rig && found.value
@@ -54,8 +60,11 @@ export function MeasureView({ state }: { state: State }) {
         <WorkNote work={work} what="test" />
         {work.busy && <AveragesNote message={work.job?.message} />}
         {tests.problem && <ProblemNote problem={tests.problem} again={() => go({ t: [] })} />}
-        {tests.loading && <Loading what="the FRFs" />}
-        {tests.value && <FrfStack tests={tests.value} python={python} />}
+        {(tests.loading || averaging.waiting) && <Loading what="the FRFs" />}
+        {averaging.problem && <ProblemNote problem={averaging.problem} />}
+        {tests.value && shown && !averaging.waiting && (
+          <FrfStack tests={shown} python={python} whole={tests.value[0].frfs} under={<AveragingBar averaging={averaging} about={tests.value[0].about} />} />
+        )}
         {tests.value && <SignalPanel key={tests.value[0].id} test={tests.value[0].about} />}
         {!state.t.length && !work.busy && (
           <Empty title="No test yet">
@@ -77,12 +86,6 @@ export function MeasureView({ state }: { state: State }) {
     </div>
   );
 }
-
-const MOST_SAMPLES = 2 ** 20; // of all channels of a record, half of what a test may keep
-const SAMPLES_A_LINE = 4; // and less
-
-/** Return how many time records a test keeps for the page: one, unless it is very large. */
-const keptRecords = (rig: RigDraft): number => (SAMPLES_A_LINE * rig.nLines * (rig.responses.length + 1) <= MOST_SAMPLES ? 1 : 0);
 
 export interface LoadedTest extends Test {
   about: Measurement;
