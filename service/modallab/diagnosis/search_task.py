@@ -22,7 +22,7 @@ from modallab.diagnosis.residuals.frf_selection import FrfSelection
 from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.search_result import SearchResult
 from modallab.diagnosis.searching.acceptance import is_noise_only
-from modallab.diagnosis.searching.search import search
+from modallab.diagnosis.searching.search import is_prediction_error, search
 from modallab.diagnosis.searching.search_path import SearchPath
 from modallab.diagnosis.searching.search_round import Suspects, fit_candidates
 from modallab.diagnosis.settings import DIAGNOSIS
@@ -75,7 +75,7 @@ class SearchTask:
         found = self._search_from(first, 1, pulse, single_effects)
         if nothing_missing:
             return (second, assumed) if found.unexplained_parts else (found, None)
-        if "frf" not in found.unexplained_parts:
+        if "frf" not in found.unexplained_parts or is_prediction_error(found.predictor, found.path):
             return found, None
         return self._search_further(first, second, found, single_effects, assumed, pulse)
 

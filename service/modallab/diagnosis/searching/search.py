@@ -6,6 +6,7 @@ from itertools import islice
 
 from modallab.core.progress import Progress, part
 from modallab.diagnosis.fitting.fit import Fit
+from modallab.diagnosis.predicting.coarse_spectra import is_nonlinear
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import is_noise_only, is_significant, variance_inflation
 from modallab.diagnosis.searching.equivalent_fits import without_undetermined_effects
@@ -51,7 +52,7 @@ def search(
         stage = part(progress, 0.3, 0.95)
         return refine_path(predictor, verify(predictor, start, elements, suspects, stage))
     paths = _branches(predictor, start, first, suspects, max_effects, progress)
-    if paths and (max_effects == 1 or is_noise_only(predictor, paths[-1].fit)):
+    if paths and (max_effects == 1 or _is_complete(predictor, paths[-1])):
         return refine_path(predictor, paths[-1])
     if elements:  # no pair explains the measurement, so that more elements are justified
         stage = part(progress, 0.75, 0.95)
@@ -87,7 +88,7 @@ def _branches(
         single = SearchPath(start, (AcceptedEffect(name, start, candidate, round_fits),))
         stage = part(progress, 0.3 + 0.15 * i, 0.45 + 0.15 * i)
         paths.append(_extended(predictor, single, suspects, min(SEARCH.pair, max_effects), stage))
-        if max_effects == 1 or is_noise_only(predictor, paths[-1].fit):
+        if max_effects == 1 or _is_complete(predictor, paths[-1]):
             break
         if predictor.budget.exhausted:
             break
@@ -121,7 +122,7 @@ def _extended(
     by little, one that is not in the catalogue.
     """
     while len(path.steps) < max_effects:
-        if path.exhausted or is_noise_only(predictor, path.fit) or predictor.budget.exhausted:
+        if path.exhausted or _is_complete(predictor, path) or predictor.budget.exhausted:
             break
         if len(path.steps) > 1 and not _closes_much(predictor, path.steps[-1]):
             break
@@ -132,6 +133,25 @@ def _extended(
         step = AcceptedEffect(kind_and_place(best[0].effects[-1]), path.fit, *best)
         path = SearchPath(path.start, (*path.steps, step))
     return path
+
+
+def _is_complete(predictor: Predictor, path: SearchPath) -> bool:
+    """Return whether no effect is missing: what is left is noise, or an error of predictions."""
+    return is_noise_only(predictor, path.fit) or is_prediction_error(predictor, path)
+
+
+def is_prediction_error(predictor: Predictor, path: SearchPath) -> bool:
+    """Return whether what is left may be the error of predictions with a strong nonlinear force.
+
+    Simulated tests show how far spectra are from their equivalent linearisation. A force that closes all but
+    a small share of the gap leaves no more than that.
+    """
+    found, mask = path.fit, predictor.observed.fitted
+    if found.residual.variance_ratios is None or not is_nonlinear(found.effects):
+        return False
+    scatter = float(found.residual.variance_ratios().response[mask].mean())
+    excess, excess_before = (fit.residual.gap(mask) - 1 for fit in (found, path.start))
+    return scatter > SEARCH.strong_scatter and excess < SEARCH.prediction_error * excess_before
 
 
 def _closes_much(predictor: Predictor, step: AcceptedEffect) -> bool:

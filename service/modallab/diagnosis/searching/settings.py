@@ -249,6 +249,16 @@ class SearchSettings(Settings):
         doc="excess of the gap after an effect over that before, above which no third effect is sought",
         tuned="blind trial: effects outside the catalogue",
     )
+    strong_scatter: float = setting(
+        3.0,
+        doc="mean variance of incoherent spectra, over that of Gaussian records, of a strong nonlinear force",
+        derived="above the 1.75 that may be chance; two foreign cubic springs have 10 and 30",
+    )
+    prediction_error: float = setting(
+        0.01,
+        doc="share of the gap's excess that predictions with a strong nonlinear force may leave",
+        tuned="a foreign cubic spring leaves 0.3 %; effects sought beside it took ten minutes",
+    )
     pair: int = setting(
         2,
         unit="effects",

@@ -1,5 +1,6 @@
 """Which effects are followed up, and which are accepted."""
 
+import numpy as np
 import pytest
 
 import modallab.diagnosis.searching.search as module
@@ -14,10 +15,12 @@ from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.searching.search import search, significant_fits
 from modallab.diagnosis.searching.search_path import kind_and_place
 from modallab.diagnosis.searching.search_round import Suspects
+from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.polarity import Polarity
 from modallab.effects.response_noise import ResponseNoise
-from tests.diagnosing import draw_measurement, model, rig
+from modallab.rig.measure import Route, measure
+from tests.diagnosing import draw_measurement, model, predicting, rig
 
 MASS, TURNED = ExtraMass(Dof(4, "Y"), 0.02), Polarity(Channels((Dof(5, "Y"),)))
 
@@ -76,3 +79,28 @@ def test_noise_beside_something_larger_is_no_leakage() -> None:
     suspects = Suspects([ExtraMass(MASS.at), ResponseNoise()])
     path = search(predictor, fit(predictor, ()), suspects, max_effects=3, progress=silent)
     assert {step.kind_and_place for step in path.steps} == {kind_and_place(one) for one in hidden}
+
+
+@pytest.mark.parametrize(("hidden", "looked_at"), [(1e10, [0, 1]), (1e11, [0])])
+def test_beside_a_strong_nonlinear_force_no_effect_is_sought_in_the_errors_of_predictions(
+    hidden: float, looked_at: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of tests stepped through time: predictions know the mean of a strong one to some per cent only."""
+    force, noise = CubicStiffness(Dof(5, "Y"), hidden), rig(noise=1e-5)
+    rng = np.random.default_rng(1)
+    predictor, _ = predicting(measure(model(), noise, [force], route=Route.SAMPLED, rng=rng))
+    start = fit(predictor, ())
+    found = fit(predictor, (force,))
+    looked: list[int] = []
+
+    def trials(_predictor: Predictor, base: Fit, *_: object, **__: object) -> list[Fit]:
+        looked.append(len(base.effects))
+        return [] if base.effects else [found]
+
+    monkeypatch.setattr(module, "fit_candidates", trials)
+    # It is not acceptance that is tried here.
+    monkeypatch.setattr(module, "is_noise_only", lambda *_: False)
+    monkeypatch.setattr(module, "is_significant", lambda *_: True)
+    path = search(predictor, start, Suspects([]), max_effects=3, progress=silent)
+    assert [step.kind_and_place for step in path.steps] == [kind_and_place(force)]
+    assert looked == looked_at
