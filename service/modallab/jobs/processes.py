@@ -73,7 +73,7 @@ class WorkerProcesses:
         await asyncio.gather(*self._working, *self._starting, return_exceptions=True)
 
 
-def _lowered() -> int:
+def _priority_difference() -> int:
     """Return how much lower the priority of this process is than that of the one that started it."""
     own, parent = (os.getpriority(os.PRIO_PROCESS, pid) for pid in (0, os.getppid()))
     return own - parent
@@ -81,7 +81,7 @@ def _lowered() -> int:
 
 def _at_priority(lane: Lane, work: Callable[[], Outcome]) -> tuple[Outcome] | None:
     """Return the result of work at the priority of its lane; None if this process has a lower one."""
-    missing = (JOB.long_niceness if lane is Lane.LONG else JOB.short_niceness) - _lowered()
+    missing = (JOB.long_niceness if lane is Lane.LONG else JOB.short_niceness) - _priority_difference()
     if missing < 0:
         return None
     os.nice(missing)
@@ -90,7 +90,7 @@ def _at_priority(lane: Lane, work: Callable[[], Outcome]) -> tuple[Outcome] | No
 
 
 def _end_if_long() -> None:
-    if _lowered() > JOB.short_niceness:
+    if _priority_difference() > JOB.short_niceness:
         os._exit(0)
 
 
