@@ -28,9 +28,7 @@ class Evidence:
     mode_frequency: FloatArray  # (n_modes,) Hz, of the prediction
     frequency_shift: FloatArray  # (n_modes,) measured over predicted, minus 1
     response_amplitude: FloatArray  # (n_modes, n_out) |phi| of the prediction at the responses
-    random_averages: float | None = (
-        None  # of an independent force each; None: every record has the same force
-    )
+    random_averages: float | None = None  # each of another random force; None: all of the same force
 
     @property
     def gaps(self) -> dict[str, float]:

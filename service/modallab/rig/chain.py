@@ -76,6 +76,8 @@ class Chain:
     @property
     def without_distortion(self) -> "Chain":
         """The chain with the equivalent linearisation of nonlinear forces alone."""
+        if not self.runs[0].local_forces:
+            return self
         return replace(self, runs=tuple(replace(run, local_forces=()) for run in self.runs))
 
     @property

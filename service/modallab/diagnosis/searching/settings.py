@@ -252,7 +252,7 @@ class SearchSettings(Settings):
     strong_scatter: float = setting(
         3.0,
         doc="mean variance of incoherent spectra, over that of Gaussian records, of a strong nonlinear force",
-        derived="above the 1.75 that may be chance; two foreign cubic springs have 10 and 30",
+        derived="well above the 1.75 that may be chance",
     )
     prediction_error: float = setting(
         0.01,
