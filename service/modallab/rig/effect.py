@@ -232,6 +232,11 @@ _PLACES = {NoneType: "null", Dof: "a DoF", Dofs: "DoFs", Members: "members", Cha
 EFFECTS: Family[type[Effect]] = Family("effect", home="modallab.effects")
 
 
+def is_nonlinear(effects: Sequence[Effect]) -> bool:
+    """Return whether one of some effects is a nonlinear force."""
+    return any(effect.on_motion() is not None for effect in effects)
+
+
 def build(spec: EffectSpec) -> Effect:
     """Return the effect of a specification.
 

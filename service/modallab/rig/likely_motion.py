@@ -57,10 +57,10 @@ def distortion_suspicion(evidence: Evidence) -> float:
 
 
 def _is_too_coherent(evidence: Evidence) -> bool:
-    """Return whether a nonlinear force that changes the FRFs this much adds more incoherent power.
+    """Return whether a nonlinear force that changes the FRFs this much would add more incoherent power.
 
-    Its equivalent linearisation changes the FRFs. What is left of it, about as strong, has nothing in common
-    with a random force: both powers here are over the incoherent power predicted without it.
+    The equivalent linearisation of the force changes the FRFs. The rest of the force, about as strong, has
+    nothing in common with a random source. Both powers are over the incoherent power predicted without it.
     """
     n, gaps = evidence.random_averages, evidence.gaps
     if n is None:

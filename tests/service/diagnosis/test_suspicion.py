@@ -84,19 +84,22 @@ def test_a_wrong_force_is_looked_into_however_wrong_the_frfs_are(effect: Effect)
     assert type(effect).signature(right) < DIAGNOSIS.least_suspicion, "a force as predicted excludes it"
 
 
-FORCES = [
-    *(CubicStiffness(Dof(5, "Y"), stiffness) for stiffness in (1e8, 1e9, 1e10, 1e12)),
-    *(Friction(Dof(5, "Y"), force) for force in (1e-3, 1e-2, 0.1)),
+SEEN_DISTORTION = [
+    (1e-5, CubicStiffness(Dof(5, "Y"), 1e10)),
+    (1e-5, CubicStiffness(Dof(5, "Y"), 1e12)),
+    (1e-5, Friction(Dof(5, "Y"), 0.01)),
+    (1e-5, Friction(Dof(5, "Y"), 0.1)),
+    (1e-3, CubicStiffness(Dof(5, "Y"), 1e12)),
+    (1e-3, Friction(Dof(5, "Y"), 0.1)),
 ]
 
 
-@pytest.mark.parametrize("noise", [1e-5, 1e-3], ids=str)
-@pytest.mark.parametrize("force", FORCES, ids=lambda force: f"{force.kind} {force.parameters}")
-def test_a_nonlinear_force_is_looked_for_wherever_its_distortion_is_seen(force: Effect, noise: float) -> None:
+@pytest.mark.parametrize(("noise", "force"), SEEN_DISTORTION, ids=str)
+def test_a_nonlinear_force_is_looked_for_where_its_distortion_is_seen(noise: float, force: Effect) -> None:
     predictor, _ = predicting(draw_measurement(rig(noise=noise), [force], seed=2))
     evidence = collect_evidence(predictor, [])
-    seen = evidence.gaps["response"] > 1.2
-    assert not seen or type(force).signature(evidence) > 5 * DIAGNOSIS.least_suspicion
+    assert evidence.gaps["response"] > 1.2, "its distortion is seen"
+    assert type(force).signature(evidence) > 5 * DIAGNOSIS.least_suspicion
 
 
 def test_no_nonlinear_force_changes_frfs_that_much_and_leaves_the_coherence() -> None:

@@ -15,7 +15,7 @@ from modallab.diagnosis.residuals.line_correlation import LineCorrelation
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.predicted import Predicted, VarianceRatios
 from modallab.diagnosis.residuals.residual import Residual, residual
-from modallab.rig.effect import Effect
+from modallab.rig.effect import Effect, is_nonlinear
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,8 +134,7 @@ def deviating_predictions(
     predict
         The predictor's linearisation at these effects.
     """
-    nonlinear = any(effect.on_motion() is not None for effect in effects)
-    return predictor.linearisation_at(effects, same_distortion=True) if nonlinear else predict
+    return predictor.linearisation_at(effects, same_distortion=True) if is_nonlinear(effects) else predict
 
 
 def _derivatives(

@@ -11,11 +11,11 @@ from modallab.core.arrays import FloatArray
 from modallab.diagnosis.optimisation.fit_parameters import ParameterVector
 from modallab.diagnosis.optimisation.linear_nuisances import LinearNuisances, NuisanceProjection
 from modallab.diagnosis.optimisation.settings import NUISANCE
-from modallab.diagnosis.predicting.coarse_spectra import CoarseBase, CoarseSpectra, is_nonlinear
+from modallab.diagnosis.predicting.coarse_spectra import CoarseBase, CoarseSpectra
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.diagnosis.residuals.residual import inflation_weights, residual
-from modallab.rig.effect import Effect
+from modallab.rig.effect import Effect, is_nonlinear
 
 if TYPE_CHECKING:
     from modallab.diagnosis.predicting.predictor import Predictor

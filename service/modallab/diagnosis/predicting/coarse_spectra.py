@@ -10,18 +10,13 @@ from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.diagnosis.residuals.white_noise import WhiteNoise
 from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.chain import Chain
-from modallab.rig.effect import Effect
+from modallab.rig.effect import Effect, is_nonlinear
 from modallab.rig.expected import coarse_spectra
 from modallab.rig.run import Run
 from modallab.rig.setup import RigSetup
 
 if TYPE_CHECKING:
     from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
-
-
-def is_nonlinear(effects: Sequence[Effect]) -> bool:
-    """Return whether one of some effects is a nonlinear force."""
-    return any(effect.on_motion() is not None for effect in effects)
 
 
 @dataclass(frozen=True, eq=False)

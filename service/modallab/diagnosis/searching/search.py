@@ -6,7 +6,6 @@ from itertools import islice
 
 from modallab.core.progress import Progress, part
 from modallab.diagnosis.fitting.fit import Fit
-from modallab.diagnosis.predicting.coarse_spectra import is_nonlinear
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import is_noise_only, is_significant, variance_inflation
 from modallab.diagnosis.searching.equivalent_fits import without_undetermined_effects
@@ -14,6 +13,7 @@ from modallab.diagnosis.searching.multiple_elements import multiple_elements, ve
 from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, kind_and_place, refine_path
 from modallab.diagnosis.searching.search_round import Suspects, fit_candidates
 from modallab.diagnosis.searching.settings import ACCEPTANCE, ROUND, SEARCH
+from modallab.rig.effect import is_nonlinear
 
 
 def search(

@@ -20,7 +20,7 @@ from modallab.diagnosis.unknown.curve_model_choice import ChosenModel, choose_cu
 from modallab.diagnosis.unknown.line_by_line import Influence, LineByLine, LineFit
 from modallab.diagnosis.unknown.places import Influences, UnknownPlace
 from modallab.diagnosis.unknown.settings import UNKNOWN
-from modallab.rig.effect import Effect
+from modallab.rig.effect import Effect, is_nonlinear
 
 OF_ROTATIONS = {"N/m": "N m/rad", "kg": "kg m^2", "N s/m": "N m s/rad"}
 """Units of models between rotations and moments, by those between translations and forces."""
@@ -58,7 +58,7 @@ def unknown_effect(predictor: Predictor, path: SearchPath) -> Unknown | None:
     if len(predictor.tests) > 1 or observed.n_simultaneous > 1 or observed.fitted.sum(axis=1).max() < 2:
         return None
     bases: list[tuple[tuple[Effect, ...], Fit]] = [((), path.start)]
-    if path.steps and all(effect.on_motion() is None for effect in path.fit.effects):
+    if path.steps and not is_nonlinear(path.fit.effects):
         bases.append((path.fit.effects, path.fit))
     solved = [_solve(predictor.tests[0], effects, start) for effects, start in bases]
     best, rivals = min(solved, key=lambda each: each[0].gap + UNKNOWN.cost_of_steps * len(each[0].accepted))

@@ -87,14 +87,16 @@ def test_only_what_is_added_to_the_base_may_be_left_out(predictor: Predictor) ->
 
 
 def test_linear_additions_keep_the_linearisation_of_a_nonlinear_force() -> None:
-    """At a fraction of its cost; with a small addition the full prediction is near, by its change."""
+    """For the price of a linear prediction, and with nearly the change of the full one."""
     predictor, _ = predicting(draw_measurement(rig(kind="random", window="hann"), [HARDENING]))
     base = predictor.coarse_spectra.base([HARDENING])
     assert base.linearised is not None
     assert base.changed_runs([HARDENING, GainError(Channels((FOURTH,)), 1.1)], predictor.setup) == [2]
     prediction, spent = predictor.coarse_prediction([HARDENING]), predictor.budget.spent
     unmodified, added = prediction.predict([HARDENING]), prediction.predict([HARDENING, MASS])
-    assert predictor.budget.spent - spent < 3
+    assert predictor.budget.spent - spent == pytest.approx(1), (
+        "one linear prediction; a nonlinear one counts ten"
+    )
     exact = [
         predictor.predict(effects).at(predictor.coarse_places) for effects in ([HARDENING], [HARDENING, MASS])
     ]
@@ -102,7 +104,8 @@ def test_linear_additions_keep_the_linearisation_of_a_nonlinear_force() -> None:
     np.testing.assert_allclose(unmodified.incoherent, exact[0].incoherent, rtol=1e-6)
     coarse_change, change = (np.log(b.h / a.h) for a, b in ((unmodified, added), exact))
     near = np.abs(coarse_change - change).mean() / np.abs(change).mean()
-    assert near < 0.1, "the motion at the force, and so its stiffness, changes by a few per cent"
+    # A mass changes the motion at the force too, and so its equivalent stiffness: 7 to 15 % of the change.
+    assert near < 0.1
 
 
 def test_beside_a_nonlinear_force_another_one_is_predicted_with_its_distortion() -> None:
@@ -111,4 +114,5 @@ def test_beside_a_nonlinear_force_another_one_is_predicted_with_its_distortion()
     prediction = predictor.coarse_prediction([HARDENING])
     for effects in ([HARDENING, CubicStiffness(FIFTH, 1e5)], [softer]):
         coarse, exact = prediction.predict(effects), predictor.predict(effects).at(predictor.coarse_places)
-        np.testing.assert_allclose(coarse.incoherent, exact.incoherent, rtol=0.05)
+        # 0.2 % is what the coarse grid of distortion leaves; without distortion it would be a factor.
+        np.testing.assert_allclose(coarse.incoherent, exact.incoherent, rtol=0.01)
