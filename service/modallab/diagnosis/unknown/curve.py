@@ -48,7 +48,8 @@ class SmoothCurve:
         )
         basis = BSpline.design_matrix(freq, knots, UNKNOWN.degree).toarray() / error[:, None]
         covariance = np.linalg.pinv(basis.T @ basis)
-        sites = np.array([knots[i + 1 : i + 1 + UNKNOWN.degree].mean() for i in range(n_coefficients)])
+        means = [knots[i + 1 : i + 1 + UNKNOWN.degree].mean() for i in range(n_coefficients)]
+        sites = np.clip(means, freq[0], freq[-1])  # the mean of three equal numbers may be off by rounding
         at_sites = BSpline.design_matrix(sites, knots, UNKNOWN.degree).toarray()
         deviation = np.abs((z - real(freq) - 1j * imaginary(freq)) / error) ** 2
         freedom = max(2 * (len(freq) - n_coefficients), 1)

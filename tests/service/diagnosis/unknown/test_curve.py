@@ -1,6 +1,7 @@
 """The smooth curve follows values line by line with fewer numbers, and states its error."""
 
 import numpy as np
+import pytest
 
 from modallab.diagnosis.unknown.curve import SmoothCurve
 
@@ -31,3 +32,12 @@ def test_its_stated_error_is_that_of_repeated_noise() -> None:
 def test_beyond_its_ends_it_keeps_the_values_of_its_ends() -> None:
     curve = _curve(0)
     assert np.allclose(curve.at(np.array([0.0])), curve.at(FREQ[:1]))
+
+
+@pytest.mark.parametrize("first", [3.245, 3.2175, 7.11])
+def test_its_values_are_within_its_lines_whatever_the_rounding(first: float) -> None:
+    """The mean of three times 3.245 Hz is below it by rounding, where no spline is defined."""
+    freq = first + np.arange(40.0)
+    curve = SmoothCurve.through(freq, np.ones(40) + 0j, np.ones(40))
+    assert first <= curve.sites[0] == pytest.approx(first)
+    assert pytest.approx(freq[-1]) == curve.sites[-1] <= freq[-1]
