@@ -128,7 +128,7 @@ class BoundedGaussNewton:
         system = np.column_stack([self.jacobian, self.vector])
         if weights is not None:
             system *= weights[:, None]
-        triangle = np.asarray(np.linalg.qr(system, mode="r"))
+        triangle = _triangle(system)
         jacobian, vector = triangle[:, :-1], triangle[:, -1]
         low = np.maximum(self._low - self.position, -trust_radius)
         high = np.minimum(self._high - self.position, trust_radius)
@@ -140,6 +140,30 @@ class BoundedGaussNewton:
     @staticmethod
     def _cost(vector: FloatArray, weights: FloatArray | None) -> float:
         return float(vector @ vector) if weights is None else float(np.sum((weights * vector) ** 2))
+
+
+def _triangle(system: FloatArray) -> FloatArray:
+    """Return the triangular factor R (n, n) of a QR decomposition, rows up to their signs.
+
+    By a Cholesky decomposition of the products of unit columns, which takes a fifth of the time; where
+    columns are nearly dependent, so that the products lose digits, by Householder reflections.
+
+    Parameters
+    ----------
+    system
+        (n_data, n).
+    """
+    lengths = np.linalg.norm(system, axis=0)
+    lengths[lengths == 0] = 1.0
+    unit = system / lengths
+    try:
+        triangle = np.linalg.cholesky(unit.T @ unit).T
+        independent = bool(np.diag(triangle).min() > LEAST_SQUARES.least_independence)
+    except np.linalg.LinAlgError:
+        independent = False
+    if not independent:
+        triangle = np.linalg.qr(unit, mode="r")
+    return np.asarray(triangle * lengths)
 
 
 def finite_difference(

@@ -74,6 +74,11 @@ class LeastSquaresSettings(Settings):
     growth: float = setting(
         2.0, doc="trust region after a successful step, over the step", derived="doubling, as is usual"
     )
+    least_independence: float = setting(
+        1e-4,
+        doc="share of a column that others leave, below which products of columns are not precise enough",
+        derived="its square has eight digits left in double precision",
+    )
     projected_steps: int = setting(
         5,
         unit="steps",

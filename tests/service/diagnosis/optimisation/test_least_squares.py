@@ -47,6 +47,24 @@ def test_a_nonlinear_fit_comes_home_in_few_evaluations() -> None:
     assert problem.calls < 20
 
 
+@pytest.mark.parametrize("apart", [1.0, 1e-2, 1e-5, 1e-7])
+def test_a_linear_fit_is_exact_in_one_step_however_alike_two_columns_are(apart: float) -> None:
+    rng = np.random.default_rng(0)
+    first, other, data = rng.standard_normal((3, 200))
+    jacobian = np.column_stack([1e3 * first, first + apart * other])  # of different sizes too
+
+    def residual(u: FloatArray) -> FloatArray:
+        return np.asarray(data - jacobian @ u)
+
+    bounds = np.full(2, -1e9), np.full(2, 1e9)
+    fit = BoundedGaussNewton(residual, lambda *_: -jacobian, np.zeros(2), bounds)
+    step, gain = fit._step(1e9, None)
+    best = np.linalg.lstsq(jacobian, data, rcond=None)[1][0]
+    # Ten times what rounding, 1e-16, is over the least 1e-7. Products of such columns would be 1e-2 off.
+    assert np.sum(residual(step) ** 2) == pytest.approx(best, rel=1e-8)
+    assert gain == pytest.approx(data @ data - best, rel=1e-8)
+
+
 def test_without_renewals_a_fit_ends_where_its_derivatives_mislead() -> None:
     true = np.array([0.1, 0.2, 0.3])
     problem = Counted(true)
