@@ -240,6 +240,7 @@ def _minimised(task: "_FitTask", max_chi_square: float) -> tuple[FloatArray, Flo
         minimum.minimise(
             evaluations=FIT.max_evaluations,
             tolerance=FIT.tolerance + tolerated,
+            excess_share=0.0 if len(parameters) else FIT.excess_share_without_effects,
             prediction_error=FIT.prediction_error,
         )
     return minimum.position, minimum.jacobian[: len(minimum.vector) - len(task.free)]

@@ -28,6 +28,11 @@ class FitSettings(Settings):
         doc="predicted gain at which a fit near the data ends",
         derived="a hundredth of a standard error",
     )
+    excess_share_without_effects: float = setting(
+        1e-4,
+        doc="the same as `excess_share` of a fit of nuisance parameters alone near the data",
+        derived="what an effect is missing in need not be known as well as what is left beside it",
+    )
     nuisance_tolerance: float = setting(
         1e-3,
         unit="squared standard deviations",
