@@ -35,8 +35,9 @@ def detection_limits(
 
     A limit is the amount at which an effect, hidden beside those found, is expected to raise the gap of a
     part of the measurement beyond chance and to be significant, by two standard deviations both. Nuisance
-    parameters and the effects found are free. From predictions with a small amount, to first order. Effects
-    whose amount alone does not describe them (resonances, nonlinear forces, signals) have no limit.
+    parameters and the effects found are free. To first order at every place; by predictions near the limit
+    at the two places of a kind. Effects whose amount alone does not describe them (resonances, nonlinear
+    forces, signals) have no limit.
 
     Parameters
     ----------
@@ -52,8 +53,9 @@ def detection_limits(
     limits: dict[str, list[Effect | None]] = {}
     for i, suspect in enumerate(gradual):
         progress(i / len(gradual), f"detection limit of {suspect.kind}")
-        limits.setdefault(suspect.kind, []).append(visibility.limit(suspect))
-    return tuple(_summary(kind, of_kind) for kind, of_kind in limits.items() if any(of_kind))
+        limits.setdefault(suspect.kind, []).append(visibility.first_order_limit(suspect))
+    summaries = [_summary(visibility, of_kind) for of_kind in limits.values()]
+    return tuple(summary for summary in summaries if summary is not None)
 
 
 def _is_gradual(effect: Effect, predictor: Predictor) -> bool:
@@ -94,15 +96,37 @@ def _deviation(effect: Effect) -> float:
     return abs(effect.parameters[name] - (spec.absent or 0.0))
 
 
-def _summary(kind: str, limits: Sequence[Effect | None]) -> DetectionLimit:
-    """Return the limits of a kind at all its places, None where no amount is visible."""
-    visible = sorted((effect for effect in limits if effect is not None), key=_deviation)
-    first, last = visible[0], visible[-1]
+def _summary(visibility: "_Visibility", limits: Sequence[Effect | None]) -> DetectionLimit | None:
+    """Return the limits of a kind from those to first order at all its places; None if it is not visible.
+
+    Parameters
+    ----------
+    limits
+        None where no amount is visible.
+    """
+    by_first_order = sorted((effect for effect in limits if effect is not None), key=_deviation)
+    first = _most_visible(visibility, by_first_order)
+    refined = (visibility.limit(effect) for effect in reversed(by_first_order))
+    last = next((effect for effect in refined if effect is not None), None)
+    if first is None or last is None:
+        return None
     name, spec = next(iter(first.specs().items()))
-    hidden = len(limits) - len(visible)
+    hidden = len(limits) - len(by_first_order)
     return DetectionLimit(
-        kind, name, spec.unit, _deviation(first), first.at, _deviation(last), last.at, hidden
+        first.kind, name, spec.unit, _deviation(first), first.at, _deviation(last), last.at, hidden
     )
+
+
+def _most_visible(visibility: "_Visibility", by_first_order: Sequence[Effect]) -> Effect | None:
+    """Return the smallest limit of a kind; a limit is never below that to first order."""
+    best: Effect | None = None
+    for effect in by_first_order:
+        if best is not None and _deviation(best) <= _deviation(effect):
+            return best
+        refined = visibility.limit(effect)
+        if refined is not None:
+            best = refined if best is None else min(best, refined, key=_deviation)
+    return best
 
 
 class _Visibility:
@@ -123,13 +147,8 @@ class _Visibility:
         self._excess = _excess_of_parts(predictor, found)
         self._inflation = variance_inflation(predictor, found)
 
-    def limit(self, suspect: Effect) -> Effect | None:
-        """Return a suspect with the amount of its detection limit; None if no amount is visible.
-
-        The larger one of two: to first order, and by predictions near the limit. Nuisance parameters that
-        imitate an effect leave its curvature, which they would take up too where they are large; and an
-        effect whose change grows less than its amount is seen later than to first order.
-        """
+    def first_order_limit(self, suspect: Effect) -> Effect | None:
+        """Return a suspect with the amount of its detection limit to first order; None: not visible."""
         sizes = scan_sizes(suspect, {})
         smallest = smallest_amounts(sizes)
         if not smallest:
@@ -138,13 +157,19 @@ class _Visibility:
         size = float(np.linalg.norm(self._weight * self._change(effect)))
         if size == 0:
             return None
-        small = with_amount_scaled(effect, min(1.0, DIAGNOSIS.detection_step / size))
-        first_order, near = self._at_limit(small), self._at_limit(effect)
-        for _ in range(DIAGNOSIS.detection_evaluations - 1):
+        return self._at_limit(with_amount_scaled(effect, min(1.0, DIAGNOSIS.detection_step / size)))
+
+    def limit(self, first_order: Effect) -> Effect | None:
+        """Return an effect with the amount of its detection limit; None if no amount is visible.
+
+        The larger one of two: to first order, and by predictions near the limit. Nuisance parameters that
+        imitate an effect leave its curvature, which they would take up too where they are large; and an
+        effect whose change grows less than its amount is seen later than to first order.
+        """
+        near: Effect | None = first_order
+        for _ in range(DIAGNOSIS.detection_evaluations):
             near = None if near is None else self._at_limit(near)
-        if first_order is None or near is None:
-            return None
-        return max(first_order, near, key=_deviation)
+        return None if near is None else max(first_order, near, key=_deviation)
 
     def _at_limit(self, effect: Effect) -> Effect | None:
         """Return an effect with the amount at which it would be visible; None if it has no such amount."""
