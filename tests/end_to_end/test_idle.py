@@ -13,8 +13,8 @@ WATCHED = 10.0  # s: more than one reconciliation of an idle service
 # 0.9 % of a core by itself; the clock of processor time has steps of 0.01 s, and two reconciliations more or
 # less fall into ten seconds.
 MOST = 0.02
-# Work beside it on the same core makes caches cold, so that the same steps take longer: one of these spells has
-# to be undisturbed. What the service does every few seconds it does in each.
+# Work beside it on the same core makes caches cold, so that the same steps take longer: one of these spells
+# has to be undisturbed. What the service does every few seconds it does in each.
 SPELLS = 4
 
 

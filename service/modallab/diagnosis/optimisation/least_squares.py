@@ -162,7 +162,7 @@ def _triangle(system: FloatArray) -> FloatArray:
     except np.linalg.LinAlgError:
         independent = False
     if not independent:
-        triangle = np.linalg.qr(unit, mode="r")
+        triangle = np.asarray(np.linalg.qr(unit, mode="r"))
     return np.asarray(triangle * lengths)
 
 

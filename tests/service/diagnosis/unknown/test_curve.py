@@ -38,6 +38,6 @@ def test_beyond_its_ends_it_keeps_the_values_of_its_ends() -> None:
 def test_its_values_are_within_its_lines_whatever_the_rounding(first: float) -> None:
     """The mean of three times 3.245 Hz is below it by rounding, where no spline is defined."""
     freq = first + np.arange(40.0)
-    curve = SmoothCurve.through(freq, np.ones(40) + 0j, np.ones(40))
+    curve = SmoothCurve.through(freq, np.ones(40, complex), np.ones(40))
     assert first <= curve.sites[0] == pytest.approx(first)
     assert pytest.approx(freq[-1]) == curve.sites[-1] <= freq[-1]
