@@ -18,6 +18,8 @@ from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.measure import Route, measure
 from tests.diagnosing import model, rig
 
+pytestmark = pytest.mark.no_cover  # slow; fast tests reach the same lines
+
 KINDS = ["extra_mass", "stiffness_error", "gain_error", "exciter_armature", "cubic_stiffness"]
 
 
@@ -89,8 +91,8 @@ def test_what_the_tolerance_of_each_mode_takes_up_is_below_its_limit() -> None:
     assert limit.at is not None
     assert limit.smallest > 0.2
     assert among_losses([LossFactorError(factor=1.2)]).verdict is Verdict.NOTHING_MISSING
-    # Five standard deviations of every mode are beyond the bounds of their tolerances.
-    (found,) = among_losses([LossFactorError(factor=2.0)]).steps
+    # Five standard deviations of every mode, logarithmic, are beyond the bounds of their tolerances.
+    (found,) = among_losses([LossFactorError(factor=2.72)]).steps
     assert found.effect.kind == "loss_factor_error"
 
 

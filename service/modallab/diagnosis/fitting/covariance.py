@@ -159,7 +159,12 @@ def _derivatives(
     indices = np.arange(len(predictor.nuisances))
     deviating = deviating_predictions(predictor, effects, predict)
     by_nuisances = predictor.nuisances.derivatives(
-        lambda deviations: deviating([*deviations, *effects]), vector, base, observed, indices
+        lambda deviations: deviating([*deviations, *effects]),
+        vector,
+        base,
+        observed,
+        predictor.position,
+        indices,
     )
     n_fitted = len(residual(observed, base).vector(observed.fitted))
     return np.hstack([by_parameters, by_nuisances]), n_fitted

@@ -340,6 +340,7 @@ class _FitTask:
             vector,
             base,
             observed,
+            position,
             self.free,
         )
         return with_prior_rows(by_parameters, by_nuisances, self._prior)

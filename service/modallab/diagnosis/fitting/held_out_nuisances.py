@@ -36,7 +36,12 @@ def fit_held_out_nuisances(
         return residual(observed, predicted).vector(mask)
 
     derivatives = predictor.nuisances.derivatives(
-        lambda deviations: predict([*deviations, *effects]), vector, predict(effects), observed, indices
+        lambda deviations: predict([*deviations, *effects]),
+        vector,
+        predict(effects),
+        observed,
+        position,
+        indices,
     )
     prior = np.sqrt(observed.correlation_length) * np.eye(len(indices))
     rows = np.vstack([derivatives, prior])

@@ -57,6 +57,10 @@ class Nuisance:
             return float(self.declared * np.exp(self.standard_deviation * position))
         return self.declared + self.standard_deviation * position
 
+    def slope_ratio(self, position: float) -> float:
+        """Return the slope of the value at a position, over that at 0."""
+        return self.value(position) / self.declared if self.logarithmic else 1.0
+
     def standard_error(self, position: float, error: float) -> float:
         """Return the standard error of the value, from that of a position in standard deviations."""
         return self.standard_deviation * error * (self.value(position) if self.logarithmic else 1.0)
@@ -97,6 +101,8 @@ class Nuisances:
     """Loss factors of the model's elastic modes in the band."""
     field: RandomField = NO_FIELD
     """Smooth deviations of the members' modulus and density."""
+    damping_free: bool = False
+    """Whether the model's damping is unknown."""
 
     def __len__(self) -> int:
         return len(self.parameters)
@@ -114,11 +120,6 @@ class Nuisances:
             alike = self.indices_of(name)
             limits[alike] = -ndtri((1 - inside ** (1 / len(alike))) / 2)
         return limits
-
-    @property
-    def damping_free(self) -> bool:
-        """Whether the model's damping is unknown."""
-        return any(nuisance.mode is not None and nuisance.logarithmic for nuisance in self.parameters)
 
     def split(self, outputs: Sequence[Dof], held_out: BoolArray) -> tuple[IntArray, IntArray]:
         """Return the indices of parameters that fitted channels determine, and of the others.
@@ -139,6 +140,7 @@ class Nuisances:
         vector: Callable[[Predicted], FloatArray],
         base: Predicted,
         observed: Observed,
+        position: FloatArray,
         indices: IntArray,
     ) -> FloatArray:
         """Return the derivatives (n_data, n) of residuals by the positions of some parameters.
@@ -151,16 +153,21 @@ class Nuisances:
             Residuals of a prediction.
         base
             Prediction without additional effects.
+        position
+            Of all parameters, in that prediction.
         indices
             (n,) indices of the parameters.
         """
         residuals, step = vector(base), NUISANCE.difference_step
         columns = np.zeros((len(residuals), len(indices)))
         for i, index in enumerate(indices):
-            perturbed = self.parameters[index].channel_prediction(base, observed)
+            parameter = self.parameters[index]
+            perturbed = parameter.channel_prediction(base, observed)
             if perturbed is None:
                 perturbed = predict(self.effects(step * (np.arange(len(self)) == index)))
-            columns[:, i] = (vector(perturbed) - residuals) / step
+            # Additional loss factors add to those of the prediction, whatever these are.
+            slope = parameter.slope_ratio(float(position[index])) / step
+            columns[:, i] = slope * (vector(perturbed) - residuals)
         return columns
 
     def effects(self, position: FloatArray) -> tuple[Effect, ...]:
@@ -244,7 +251,7 @@ def nuisance_parameters(
         stated = tolerances.modal_loss_factor or 0.0
         deviation = NUISANCE.unknown_loss_factor if damping_unknown else stated
         nuisances += [
-            Nuisance("modal_loss_factor", deviation, 1.0, "1", mode=i, logarithmic=damping_unknown)
+            Nuisance("modal_loss_factor", deviation, 1.0, "1", mode=i, logarithmic=True)
             for i, eta in enumerate(loss_factors, 1)
             if eta > 0
         ]
@@ -253,7 +260,7 @@ def nuisance_parameters(
         field = _field(system, next(iter(deviations)))
         for name, deviation in deviations.items():
             nuisances += [Nuisance(name, deviation, 0.0, "1", shape=i) for i in range(len(field))]
-    return Nuisances(tuple(nuisances), setup.accelerometers.mass, loss_factors, field)
+    return Nuisances(tuple(nuisances), setup.accelerometers.mass, loss_factors, field, damping_unknown)
 
 
 def _field(system: DynamicSystem, name: str) -> RandomField:

@@ -191,7 +191,11 @@ class PresetSettings(Settings):
         derived="a hundredth of a sample and more at 10 to 50 kHz",
     )
     modal_loss_factor: tuple[float, float, float] = _preset(
-        0.1, 0.2, 0.3, "loss factor of a mode", derived="damping is known to ten or more per cent"
+        0.1,
+        0.2,
+        0.3,
+        "logarithm of the loss factor of a mode",
+        derived="damping is known to ten or more per cent, and never below zero",
     )
     modulus_variation: tuple[float, float, float] = _preset(
         0.002, 0.005, 0.02, "modulus along the structure", derived="extruded; rolled; cast or drilled stock"

@@ -46,7 +46,7 @@ class Tolerances(Options):
         doc="delay of each response channel against the force",
     )
     modal_loss_factor: float | None = _relative(
-        "the loss factor of each elastic mode of the model in the band"
+        "the loss factor of each elastic mode of the model in the band, on a logarithmic scale"
     )
     modulus_variation: float | None = _relative(
         "the Young's modulus of each member, a smooth random field along the structure"

@@ -67,7 +67,8 @@ class CoarsePrediction:
         if not len(nuisances):
             return np.zeros((0, 0))
         indices = np.arange(len(nuisances))
-        return nuisances.derivatives(predict, self._vector, predict(()), self.observed, indices)
+        position = self.predictor.position
+        return nuisances.derivatives(predict, self._vector, predict(()), self.observed, position, indices)
 
     @cached_property
     def nuisances(self) -> LinearNuisances:

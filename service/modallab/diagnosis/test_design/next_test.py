@@ -220,6 +220,7 @@ class _SimulatedTest:
             lambda predicted: residual(observed, predicted).vector(observed.usable),
             predictor.coarse(explanation.effects),
             observed,
+            predictor.position,
             np.arange(len(predictor.nuisances)),
         )
 

@@ -11,6 +11,7 @@ from modallab.diagnosis.fitting.coarse_fit import coarse_fit
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.optimisation.nuisances import Nuisances, draw_positions, nuisance_parameters
 from modallab.diagnosis.optimisation.settings import NUISANCE
+from modallab.diagnosis.optimisation.tolerance_effects import LossTolerance
 from modallab.diagnosis.optimisation.tolerances import TolerancePreset, Tolerances
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.residual import residual
@@ -162,6 +163,47 @@ def test_a_test_within_tolerances_misses_nothing(roving: bool, seed: int) -> Non
     assert not is_noise_only(predictor, fit(predictor, ()))  # without tolerances much is
     predictor = predictor.with_nuisances(nuisance_parameters(ALL, assemble(model()), setup))
     assert is_noise_only(predictor, fit(predictor, ()))
+
+
+def test_loss_factors_are_tolerated_on_a_logarithmic_scale() -> None:
+    """2.6 standard deviations of 30 % are a factor of 2.2, which on a linear scale would be 3.9 of them."""
+    tolerances = Tolerances(modal_loss_factor=0.3)
+    numbers = nuisance_parameters(tolerances, assemble(model()), rig())
+    declared = numbers.loss_factors
+    true = LossTolerance(more=tuple(1.2 * eta if i == 2 else 0.0 for i, eta in enumerate(declared)))
+    predictor, _ = predicting(measured(rig(), [true]))
+    found = fit(predictor.with_nuisances(numbers), ())
+    assert is_noise_only(predictor.with_nuisances(numbers), found)
+    third = numbers.parameters[2].value(found.nuisance_position[2])
+    assert third == pytest.approx(2.2, rel=0.05)  # the prior draws it back a little
+    for loss, limit in zip(numbers.parameters, numbers.limits, strict=True):
+        assert loss.value(-limit) > 0  # a mode without damping, or with less, is none
+
+
+def test_derivatives_by_nuisance_parameters_are_those_of_moved_positions() -> None:
+    """Also by loss factors, which are far from linear in a position on a logarithmic scale."""
+    true = off(0)
+    predictor, numbers = allowing(rig(), true)
+    position = true[: len(numbers)]
+    near = predictor.with_nuisances_at(position)
+    observed, step = predictor.observed, 1e-3
+
+    def vector(at: FloatArray) -> FloatArray:
+        return residual(observed, predictor.with_nuisances_at(at).predict(())).vector(observed.fitted)
+
+    derivatives = numbers.derivatives(
+        near.linearisation_at(()),
+        lambda predicted: residual(observed, predicted).vector(observed.fitted),
+        near.predict(()),
+        observed,
+        position,
+        np.arange(len(numbers)),
+    )
+    for i, derivative in enumerate(derivatives.T):
+        shift = step * (np.arange(len(numbers)) == i)
+        central = (vector(position + shift) - vector(position - shift)) / (2 * step)
+        # The mass correction of a channel's force is left out, and the difference is one-sided.
+        assert np.linalg.norm(derivative - central) < 0.02 * np.linalg.norm(central)
 
 
 def test_what_belongs_to_a_held_out_channel_is_read_off_that_channel() -> None:
