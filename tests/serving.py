@@ -79,8 +79,12 @@ class Lab:
         return self._http.request(method, path, **options)
 
     def json(self, method: str, path: str, body: Any = None) -> Any:
-        """Return the JSON of a good reply."""
+        """Return the JSON of a good reply; a busy service is asked again, as the client does."""
+        begin = time.monotonic()
         reply = self._http.request(method, path, json=body)
+        while "/problems/busy" in reply.text and time.monotonic() - begin < START:
+            time.sleep(float(reply.headers["Retry-After"]))
+            reply = self._http.request(method, path, json=body)
         assert reply.is_success, reply.text
         return reply.json()
 

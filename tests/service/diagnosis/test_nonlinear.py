@@ -27,6 +27,8 @@ from modallab.rig.measure import measurement_of
 from modallab.rig.sampled import sampled_spectra
 from tests.diagnosing import draw_measurement, model, predicting, rig
 
+pytestmark = pytest.mark.no_cover  # slow; fast tests reach the same lines
+
 CUBIC = CubicStiffness(Dof(4, "Y"), 3e9)
 RUBBING = Friction(Dof(5, "Y"), 0.01)
 KINDS = ("cubic_stiffness", "friction", "ground_spring", "local_damping", "response_noise")
