@@ -146,7 +146,9 @@ class Analyser:
         Flat over its band, which ends on lines; beside it next to nothing is left.
         """
         first, last = self.driven_lines
-        inside = (freq >= first * self.spacing) & (freq <= last * self.spacing)
+        rounding = ACQUISITION.line_tolerance  # 400 times 502 Hz / 400 is below 502 Hz
+        low, high = (first - rounding) * self.spacing, (last + rounding) * self.spacing
+        inside = (freq >= low) & (freq <= high)
         share = np.where(inside, 1.0, SOURCE.out_of_band)
         return np.asarray(self.source_level**2 / ((last - first) * self.spacing) * share)
 

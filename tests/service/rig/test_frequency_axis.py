@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from modallab.core.errors import InvalidInputError
 from modallab.rig.analyser import Analyser
@@ -25,6 +27,24 @@ def test_lines_are_counted_from_the_first_one_kept() -> None:
     assert (CUT.spacing, CUT.record_length) == (2.5, 0.4)
     assert (CUT.baseband.n_lines, CUT.baseband.spacing, CUT.baseband.freq[20]) == (161, 2.5, 50.0)
     np.testing.assert_array_equal(CUT.baseband.lines_at(CUT.freq), np.arange(20, 161))
+
+
+@given(
+    highest=st.floats(1.0, 5000.0), n_lines=st.integers(21, 3201), first=st.integers(0, 9), cut=st.booleans()
+)
+def test_every_line_of_the_band_is_driven_whatever_the_rounding(
+    highest: float, n_lines: int, first: int, cut: bool
+) -> None:
+    """400 times 502 Hz / 400 is below 502 Hz: the last line of a test was taken for one without force."""
+    spacing = highest / (n_lines - 1)
+    kept = Analyser(frequency_max=highest, n_lines=n_lines)
+    if cut:
+        kept = Analyser(
+            frequency_min=first * spacing, frequency_max=highest, n_lines=n_lines - first
+        ).baseband
+    density = kept.source_density(kept.freq)
+    assert density[1:].min() > 0.999 * density.max()
+    assert kept.source_density(np.array([1.01 * highest])) < 1e-6 * density.max()
 
 
 def test_a_first_line_between_those_of_a_record_is_refused_by_name() -> None:
