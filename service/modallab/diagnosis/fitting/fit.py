@@ -21,7 +21,7 @@ from modallab.diagnosis.optimisation.fit_parameters import ParameterVector
 from modallab.diagnosis.optimisation.least_squares import BoundedGaussNewton
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.predicted import Predicted
-from modallab.diagnosis.residuals.residual import Residual, error_ratio, residual
+from modallab.diagnosis.residuals.residual import Residual, error_ratio, inflation_weights, residual
 from modallab.rig.effect import Effect
 from modallab.rig.spectrum_settings import SIMULATED_VARIANCE
 
@@ -227,6 +227,8 @@ def _minimised(task: "_FitTask", max_chi_square: float) -> tuple[FloatArray, Flo
         )
         if float(attempt.vector @ attempt.vector) > max_chi_square:
             return attempt.position, attempt.jacobian[: len(attempt.vector) - len(task.free)]
+    if not len(parameters):
+        _approach(minimum, task)
     minimum.minimise(
         evaluations=FIT.max_evaluations,
         tolerance=FIT.coarse_tolerance + tolerated,
@@ -244,6 +246,25 @@ def _minimised(task: "_FitTask", max_chi_square: float) -> tuple[FloatArray, Flo
             prediction_error=FIT.prediction_error,
         )
     return minimum.position, minimum.jacobian[: len(minimum.vector) - len(task.free)]
+
+
+def _approach(minimum: BoundedGaussNewton, task: "_FitTask") -> None:
+    """Bring a fit far from the data nearer, with every random error inflated, stage by stage.
+
+    Where tolerances shift resonances by more than their bandwidths the cost has many local minima; inflated
+    it has one.
+    """
+    observed, n_data = task.predictor.observed, len(minimum.vector)
+    for inflation in FIT.approach_inflations:
+        if float(minimum.vector @ minimum.vector) < FIT.far_from_data * n_data:
+            return
+        weights = inflation_weights(observed, observed.fitted, inflation)
+        minimum.minimise(
+            evaluations=FIT.approach_evaluations,
+            tolerance=FIT.coarse_tolerance + len(task.free) * FIT.nuisance_tolerance,
+            excess_share=FIT.excess_share,
+            weights=np.concatenate([weights, np.ones(len(task.free))]),
+        )
 
 
 def _missing_effect_variance(square: float, n_data: int, correlation_length: float) -> float:

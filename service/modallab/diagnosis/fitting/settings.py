@@ -78,6 +78,19 @@ class FitSettings(Settings):
         doc="fits of unknown loss factors before a search, each from where the one before ended",
         derived="they may be a factor 90 off, a fit is meant for starts near the solution",
     )
+    approach_inflations: tuple[float, ...] = setting(
+        (0.3, 0.03),
+        doc="relative errors added to every random error, one stage of a fit far from the data each",
+        derived="modes at other frequencies, then shifts by parts of a bandwidth",
+    )
+    approach_evaluations: int = setting(
+        6, unit="evaluations", doc="evaluations of such a stage", derived="as many parameters are tolerated"
+    )
+    far_from_data: float = setting(
+        100.0,
+        doc="mean square of the residuals above which a fit is far from the data",
+        derived="ten random errors: residuals near a shifted resonance are hundreds of them",
+    )
     near_noise: float = setting(
         2.0, doc="mean square of the residuals below which a fit is worth finishing", tuned=TESTS
     )

@@ -1,6 +1,6 @@
 """Nuisance parameters: deviations within tolerances that every fit estimates under a prior."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -257,18 +257,19 @@ def nuisance_parameters(
         ]
     field = NO_FIELD
     if deviations := {name: value for name in FIELDS if (value := getattr(tolerances, name))}:
-        field = _field(system, next(iter(deviations)))
+        field = _field(system, deviations)
         for name, deviation in deviations.items():
             nuisances += [Nuisance(name, deviation, 0.0, "1", shape=i) for i in range(len(field))]
     return Nuisances(tuple(nuisances), setup.accelerometers.mass, loss_factors, field, damping_unknown)
 
 
-def _field(system: DynamicSystem, name: str) -> RandomField:
+def _field(system: DynamicSystem, deviations: Mapping[str, float]) -> RandomField:
     if system.members is None:
+        name = next(iter(deviations))
         raise InvalidInputError(
             "the model has no members that could deviate", field=f"tolerances.{name}", allowed=[0.0]
         )
-    return RandomField.of(system.members)
+    return RandomField.of(system.members, max(deviations.values()))
 
 
 def _loss_factors(system: DynamicSystem, frequency_max: float) -> tuple[float, ...]:

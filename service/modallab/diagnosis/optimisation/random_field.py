@@ -26,19 +26,25 @@ class RandomField:
     """(n_shapes, n_members) eigenvectors of the covariance, times the roots of its eigenvalues."""
 
     @classmethod
-    def of(cls, members: MemberTable) -> "RandomField":
+    def of(cls, members: MemberTable, standard_deviation: float) -> "RandomField":
         """Return the field with a squared exponential covariance over the distance of centres.
 
         Different bars of a frame are independent: each was made for itself. The shapes of largest variance
-        are retained, up to a share of the whole variance.
+        are retained, until what they omit is negligible.
+
+        Parameters
+        ----------
+        standard_deviation
+            Largest one of the logarithms that the field is used for.
         """
         centres = members.centres
         length = RANDOM_FIELD.correlation_length * np.ptp(centres, axis=0).max() or 1.0
         bar = _bar_indices(members)
         covariance = np.exp(-(cdist(centres, centres) ** 2) / (2 * length**2)) * (bar[:, None] == bar)
         variances, vectors = (part[..., ::-1] for part in np.linalg.eigh(covariance))
-        share = np.cumsum(variances) / variances.sum()
-        n = min(RANDOM_FIELD.max_shapes, 1 + int(np.searchsorted(share, RANDOM_FIELD.variance_share)))
+        omitted = standard_deviation**2 * (1 - np.cumsum(variances) / variances.sum())
+        enough = 1 + int(np.argmax(omitted < RANDOM_FIELD.omitted_deviation**2))
+        n = min(RANDOM_FIELD.max_shapes, enough)
         return cls(members.numbers, np.ascontiguousarray((np.sqrt(variances[:n]) * vectors[:, :n]).T))
 
     def __len__(self) -> int:

@@ -61,13 +61,13 @@ def fine_beam(n_elements: int) -> Structure:
 def test_the_expansion_reproduces_its_covariance() -> None:
     table = assemble(fine_beam(40)).members
     assert table is not None
-    field = RandomField.of(table)
+    field = RandomField.of(table, 0.02)
     distance = np.subtract.outer(table.centres[:, 0], table.centres[:, 0])
     length = RANDOM_FIELD.correlation_length * np.ptp(table.centres[:, 0])
     covariance = np.exp(-(distance**2) / (2 * length**2))
-    # The omitted eigenvalues sum to at most 1 % of the trace, and none of them is above that sum.
+    # The omitted eigenvalues are the mean variance that is omitted, times the number of members.
     omitted = np.linalg.eigvalsh(covariance - field.shapes.T @ field.shapes)
-    assert omitted.sum() < (1 - RANDOM_FIELD.variance_share) * 40
+    assert 0.02**2 * omitted.sum() / 40 < RANDOM_FIELD.omitted_deviation**2
     assert omitted.min() > -1e-9  # rounding of 40 eigenvalues of order 10
     assert len(field) < 20
 
@@ -76,9 +76,16 @@ def test_the_number_of_shapes_follows_from_the_structure_and_not_from_its_mesh()
     coarse, fine = (assemble(fine_beam(n)).members for n in (40, 160))
     assert coarse is not None
     assert fine is not None
-    assert (
-        abs(len(RandomField.of(coarse)) - len(RandomField.of(fine))) <= 1
-    )  # the ends are half an element off
+    # The ends are half an element off.
+    assert abs(len(RandomField.of(coarse, 0.02)) - len(RandomField.of(fine, 0.02))) <= 1
+
+
+def test_a_small_deviation_needs_few_shapes() -> None:
+    members = assemble(fine_beam(40)).members
+    assert members is not None
+    numbers = [len(RandomField.of(members, deviation)) for deviation in (1e-5, 0.002, 0.005, 0.02)]
+    assert numbers[0] == 1
+    assert numbers == sorted(set(numbers))
 
 
 def test_members_of_different_bars_are_independent() -> None:
@@ -93,7 +100,7 @@ def test_members_of_different_bars_are_independent() -> None:
     members = tuple(Member(i, pair, section, material) for i, pair in enumerate(pairs, 1))
     table = assemble(Structure(nodes=nodes, members=members)).members
     assert table is not None
-    field = RandomField.of(table)
+    field = RandomField.of(table, 0.005)
     covariance = field.shapes.T @ field.shapes
     assert (np.abs(covariance[:20, 20:]) < 1e-9).all()  # rounding of eigenvectors
     # centres half a correlation length (0.2 m) apart, also across the bend; 1 % of the variance is omitted
@@ -105,7 +112,7 @@ def test_elements_of_a_plate_are_one_part() -> None:
     made = plate(length=0.6, width=0.6, thickness=0.004, n_elements=(8, 8), material=material)
     table = assemble(made).members
     assert table is not None
-    field = RandomField.of(table)
+    field = RandomField.of(table, 0.005)
     covariance = field.shapes.T @ field.shapes
     from_centre = covariance[27] / covariance[27, 27]
     assert from_centre[[26, 28, 19, 35]] == pytest.approx(0.36, abs=0.15)  # 1.43 lengths; 40 shapes of 64
