@@ -8,8 +8,6 @@ import pytest
 
 from tests.bodies import free_beam
 
-pytestmark = pytest.mark.no_cover  # slow; fast tests reach the same lines
-
 RIG = {
     "drive": "1:+Y",
     "responses": ["1:+Y", "3:+Y", "4:+Y", "5:+Y", "7:+Y"],

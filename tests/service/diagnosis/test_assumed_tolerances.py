@@ -26,8 +26,6 @@ from modallab.rig.effect import Effect
 from modallab.rig.measure import Route
 from tests.diagnosing import draw_measurement, model, rig
 
-pytestmark = pytest.mark.no_cover  # slow; fast tests reach the same lines
-
 SUSPECTS = ("extra_mass", "stiffness_error", "gain_error")
 N_MEMBERS = len(model().members)
 # A model that is wrong everywhere, a little and smoothly: 0.5 % from one end to the other.

@@ -20,8 +20,6 @@ from modallab.fe.assembly import assemble
 from modallab.rig.effect import Effect
 from tests.diagnosing import draw_measurement, exact, model, rig
 
-pytestmark = pytest.mark.no_cover  # slow; fast tests reach the same lines
-
 
 @pytest.mark.parametrize(
     "hidden",

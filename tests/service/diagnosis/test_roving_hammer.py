@@ -27,8 +27,6 @@ from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 from tests.rigs import dofs, steel_beam
 
-pytestmark = pytest.mark.no_cover  # slow; fast tests reach the same lines
-
 SOFT = StiffnessError(Members((6,)), 0.8)
 STRUCK = (1, 5, 9, 14, 21)
 KINDS = ["stiffness_error", "extra_mass", "gain_error"]

@@ -24,8 +24,6 @@ from tests.diagnosing import draw_measurement, model, predicting
 from tests.diagnosing import rig as small_rig
 from tests.rigs import beam_system, dofs, rig
 
-pytestmark = pytest.mark.no_cover  # slow; fast tests reach the same lines
-
 FREQ = np.linspace(2.0, 800.0, 57)
 OMEGA = 2 * np.pi * FREQ[:, None]
 SETUP = rig(1, 7, 16)

@@ -18,8 +18,6 @@ from modallab.rig.setup import AcquisitionRun
 from tests.cantilevers import CANTILEVER, HELD_OUT, draw_cantilever
 from tests.rigs import BAR, STEEL, dofs, steel_beam
 
-pytestmark = pytest.mark.no_cover  # slow; fast tests reach the same lines
-
 N, LENGTH = 30, 1.2
 BEND = STEEL.modulus * BAR.second_moment
 SYSTEM = assemble(

@@ -13,8 +13,6 @@ from modallab.extraction.method_options import options_type
 from modallab.extraction.options import Damping
 from tests.service.extraction.conftest import Beam
 
-pytestmark = pytest.mark.no_cover  # slow; fast tests reach the same lines
-
 AVERAGES = 50.0
 N_TESTS = 8
 WINDOW = ErrorCorrelation(WINDOWS["exponential"], delay=0.05)

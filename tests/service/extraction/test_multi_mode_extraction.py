@@ -13,8 +13,6 @@ from tests.service.extraction.six_mode_models import six_mode_model
 from tests.service.extraction.test_extract import CLEAN, noise_of
 from tests.synthetic import HAMMERED, HAMMERED_LOSS, PAIR, Synthetic, hammered, six_modes
 
-pytestmark = pytest.mark.no_cover  # slow; fast tests reach the same lines
-
 METHOD = "lscf"
 
 

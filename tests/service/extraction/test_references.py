@@ -23,8 +23,6 @@ from tests.service.extraction.several_references import (
     exact,
 )
 
-pytestmark = pytest.mark.no_cover  # slow; fast tests reach the same lines
-
 MANY = tuple(Dof(node, "Y") for node in range(1, 13))
 POLY = "poly_reference_lscf"
 

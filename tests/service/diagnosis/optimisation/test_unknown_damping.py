@@ -14,8 +14,6 @@ from modallab.rig.measure import Route, measure
 from modallab.rig.measurement import Measurement
 from tests.diagnosing import model, rig
 
-pytestmark = pytest.mark.no_cover  # slow; fast tests reach the same lines
-
 LOSSES = (0.03, 0.004, 0.01, 0.002)  # of the modes below 400 Hz, factors 3 and 5 off 0.01
 
 

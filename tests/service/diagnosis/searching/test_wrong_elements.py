@@ -25,8 +25,6 @@ from modallab.rig.effect import Effect
 from modallab.rig.measurement import Measurement
 from tests.diagnosing import draw_measurement, model, predicting, rig
 
-pytestmark = pytest.mark.no_cover  # slow; fast tests reach the same lines
-
 FOUR = [DensityError(at=Members((1, 2)), factor=2.0), StiffnessError(at=Members((5, 6)), factor=1.8)]
 
 

@@ -25,8 +25,6 @@ from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import AcquisitionRun
 from tests.diagnosing import draw_measurement, model, predicting, rig
 
-pytestmark = pytest.mark.no_cover  # slow; fast tests reach the same lines
-
 HELD = [Dof(2, "Y")]
 PLACE = Dof(5, "Y")
 AMOUNT, EXPONENT = 400.0, 0.5

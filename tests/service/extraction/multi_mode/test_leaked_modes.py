@@ -16,8 +16,6 @@ from modallab.extraction.preprocessing.leakage import WindowLeakage
 from tests.service.extraction.conftest import Beam
 from tests.service.extraction.leaked_beam import WIDE, judged, of, read, taken
 
-pytestmark = pytest.mark.no_cover  # slow; fast tests reach the same lines
-
 FREQ = np.arange(20.0, 80.0, 0.5)
 FREQUENCY, LOSS_FACTOR = np.array([35.2, 60.1]), np.array([0.02, 0.005])  # 1.4 and 0.6 lines wide
 EIGENVALUE = (2 * np.pi * FREQUENCY) ** 2 * (1 + 1j * LOSS_FACTOR)

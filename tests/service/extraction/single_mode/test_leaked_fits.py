@@ -7,8 +7,6 @@ from modallab.extraction.single_mode.method import EXTRACTION_METHODS
 from tests.service.extraction.conftest import Beam
 from tests.service.extraction.leaked_beam import DRAWN, FAR, NARROW, WIDE, judged, of, read, taken
 
-pytestmark = pytest.mark.no_cover  # slow; fast tests reach the same lines
-
 EXACT = [kind for kind in sorted(EXTRACTION_METHODS) if EXTRACTION_METHODS[kind].exact]
 
 

@@ -41,8 +41,6 @@ from tests.service.updating.responses.cases import (
     noisy,
 )
 
-pytestmark = pytest.mark.no_cover  # slow; fast tests reach the same lines
-
 WRONG = {
     ("mass", 7): 2.6,
     ("stiffness", 7): 0.4,
