@@ -137,9 +137,9 @@ class RandomFieldSettings(Settings):
         derived="a circle of 12 members or more is one bar; corners of frames are 45 to 90 degrees",
     )
     omitted_deviation: float = setting(
-        1e-4,
+        5e-4,
         doc="standard deviation of what the retained shapes omit of a member's factor",
-        derived="shifts a resonance by 5e-5 of its frequency: a hundredth of the bandwidth of 0.5 % damping",
+        derived="a twentieth of the bandwidth of 0.5 % damping; more shapes use up predictions of a search",
     )
     max_shapes: int = setting(
         40, unit="shapes", doc="shapes of a field at most: each costs a prediction a step", tuned=TESTS
