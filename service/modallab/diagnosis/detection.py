@@ -105,13 +105,16 @@ def _summary(visibility: "_Visibility", limits: Sequence[Effect | None]) -> Dete
         None where no amount is visible.
     """
     by_first_order = sorted((effect for effect in limits if effect is not None), key=_deviation)
-    first = _most_visible(visibility, by_first_order)
-    refined = (visibility.limit(effect) for effect in reversed(by_first_order))
-    last = next((effect for effect in refined if effect is not None), None)
+    hidden, last = len(limits) - len(by_first_order), None
+    for effect in reversed(by_first_order):
+        last = visibility.limit(effect)
+        if last is not None:
+            break
+        hidden += 1
+    first = last if len(by_first_order) == 1 else _most_visible(visibility, by_first_order)
     if first is None or last is None:
         return None
     name, spec = next(iter(first.specs().items()))
-    hidden = len(limits) - len(by_first_order)
     return DetectionLimit(
         first.kind, name, spec.unit, _deviation(first), first.at, _deviation(last), last.at, hidden
     )

@@ -40,8 +40,6 @@ from modallab.rig.setup import RigSetup
 from modallab.rig.wishart import wishart_spectra
 from tests.rigs import beam_system, dofs, steel_beam
 
-pytestmark = pytest.mark.no_cover  # slow; fast tests reach the same lines
-
 KINDS = ["stiffness_error", "extra_mass", "gain_error", "exciter_armature", "force_noise"]
 HEAVY = Exciter(armature_mass=0.05)
 SEEDS = range(5)

@@ -180,13 +180,12 @@ def test_loss_factors_are_tolerated_on_a_logarithmic_scale() -> None:
         assert loss.value(-limit) > 0  # a mode without damping, or with less, is none
 
 
-@pytest.mark.parametrize("seed", [0, 3])
-def test_a_model_far_off_within_its_tolerances_is_found_from_the_declared_one(seed: int) -> None:
-    """Resonances shift by bandwidths: without inflated errors the fit of seed 3 stayed where it was."""
+def test_a_model_far_off_within_its_tolerances_is_found_from_the_declared_one() -> None:
+    """Resonances shift by bandwidths: without inflated errors the fit ended in a local minimum."""
     tolerances = Tolerances.preset(TolerancePreset.STUDENT)
     numbers = nuisance_parameters(tolerances, assemble(model()), rig())
-    true = np.random.default_rng(seed).standard_normal(len(numbers)).clip(-2.5, 2.5)
-    predictor, _ = predicting(measured(rig(), numbers.effects(true), seed=seed))
+    true = np.random.default_rng(3).standard_normal(len(numbers)).clip(-2.5, 2.5)
+    predictor, _ = predicting(measured(rig(), numbers.effects(true), seed=3))
     declared = predictor.with_nuisances(numbers)
     assert is_noise_only(declared, fit(declared, ()))
 
