@@ -40,7 +40,7 @@ class Effect:
         """Return the flexibility (n_freq,), m/N, between armature and structure."""
         return 0.0
 
-    def filter(self, response: int, omega: Reals) -> Complexes | float:
+    def filter(self, response: int, omega: Reals | Complexes) -> Complexes | float:
         """Return by what a response's spectrum is multiplied, (n_freq,)."""
         return 1.0
 
@@ -188,7 +188,7 @@ class Gain(Effect):
 
     kind, place = "gain_error", "response"
 
-    def filter(self, response: int, omega: Reals) -> Complexes | float:
+    def filter(self, response: int, omega: Reals | Complexes) -> Complexes | float:
         """See `Effect.filter`."""
         return self.size if response == self.at else 1.0
 
@@ -198,7 +198,7 @@ class Polarity(Effect):
 
     kind, place = "polarity", "response"
 
-    def filter(self, response: int, omega: Reals) -> Complexes | float:
+    def filter(self, response: int, omega: Reals | Complexes) -> Complexes | float:
         """See `Effect.filter`."""
         return -1.0 if response == self.at else 1.0
 
@@ -208,7 +208,7 @@ class GainBump(Effect):
 
     kind, place = "", "response"
 
-    def filter(self, response: int, omega: Reals) -> Complexes | float:
+    def filter(self, response: int, omega: Reals | Complexes) -> Complexes | float:
         """See `Effect.filter`."""
         off = (omega / (2 * np.pi) - self.frequency) / (0.15 * self.frequency)
         return np.asarray(1 + self.size * np.exp(-(off**2)) + 0j) if response == self.at else 1.0
@@ -219,7 +219,7 @@ class Delay(Effect):
 
     kind = "channel_delay"
 
-    def filter(self, response: int, omega: Reals) -> Complexes | float:
+    def filter(self, response: int, omega: Reals | Complexes) -> Complexes | float:
         """See `Effect.filter`."""
         return np.asarray(np.exp(-1j * omega * self.size))
 
@@ -229,7 +229,7 @@ class HighPass(Effect):
 
     kind = "ac_coupling"
 
-    def filter(self, response: int, omega: Reals) -> Complexes | float:
+    def filter(self, response: int, omega: Reals | Complexes) -> Complexes | float:
         """See `Effect.filter`."""
         ratio = 1j * omega / (2 * np.pi * self.size)
         return np.asarray(ratio / (1 + ratio))

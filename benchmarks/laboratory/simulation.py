@@ -57,24 +57,29 @@ def measure(bars: Bars, plan: Plan, effects: Sequence[Effect], rng: np.random.Ge
     for index, (force, responses) in enumerate(signals):
         force = force + 0.1 * plan.noise * np.sqrt((force**2).mean()) * rng.standard_normal(force.shape)
         noisy = []
-        for place, response in enumerate(responses):
+        for response in responses:
             x = response + plan.noise * level * rng.standard_normal(response.shape)
             for effect in effects:
                 hum = effect.hum(x.size, 1 / (plan.n_samples * plan.spacing), level, rng)
                 x = x + np.reshape(hum, x.shape) if np.ndim(hum) else x
-            noisy.append(_filtered(x, plan, effects, index if not plan.hammer else place))
+            noisy.append(x if plan.hammer else _filtered(x, plan, effects, index))
         spectra.append(_averaged(force, noisy, plan))
     return _handed_over(spectra, plan)
 
 
 def _filtered(x: Reals, plan: Plan, effects: Sequence[Effect], response: int) -> Reals:
-    """Return records (averages, n_samples) of a channel through its filters; all as one long record."""
+    """Return records (averages, n_samples) of a shaker test through filters; under Hann one long record."""
     long = x.reshape(1, -1) if plan.hann else x
     freq = np.fft.rfftfreq(long.shape[-1], 1 / (plan.n_samples * plan.spacing))
     spectrum, omega = np.fft.rfft(long), np.asarray(2 * np.pi * freq, np.float64)
-    for effect in effects:
-        spectrum = spectrum * effect.filter(response, omega)
+    spectrum = spectrum * _filter(effects, response, omega)
     return np.asarray(np.fft.irfft(spectrum, long.shape[-1]).reshape(x.shape))
+
+
+def _filter(effects: Sequence[Effect], response: int, omega: Reals | Complexes) -> Complexes:
+    """Return by what all filters multiply a response's spectrum, (n_freq,)."""
+    filters = [effect.filter(response, omega) for effect in effects]
+    return np.asarray(np.prod(np.broadcast_arrays(np.ones(len(omega), complex), *filters), axis=0))
 
 
 def _signals(
@@ -102,6 +107,8 @@ def _blows(
     """Return records of blows of one shape and different size.
 
     Along a line below the real axis of frequency every response has faded when its spectrum repeats itself.
+    A filter acts on the endless response: of a record that ends while the structure rings it would carry
+    the end to the beginning.
     """
     n, samples, rate = plan.n_samples, LONG * plan.n_samples, plan.n_samples * plan.spacing
     time, start = np.arange(samples) / rate, 0.05 / plan.spacing
@@ -111,9 +118,11 @@ def _blows(
     source = np.fft.rfft(pulse * np.exp(-decay * time))
     omega = 2 * np.pi * np.fft.rfftfreq(samples, 1 / rate) - 1j * decay
     _, inertance = frequency_response(bars, plan, run, effects, omega)
+    filters = [_filter(effects, place, omega) for place in range(inertance.shape[1])]
     scale = np.exp(0.2 * rng.standard_normal(plan.averages))[:, None]
     grown = np.exp(decay * time[:n])
-    records = [scale * grown * np.fft.irfft(source * column, samples)[:n] for column in inertance.T]
+    spectra = [source * column * each for column, each in zip(inertance.T, filters, strict=True)]
+    records = [scale * grown * np.fft.irfft(spectrum, samples)[:n] for spectrum in spectra]
     return scale * pulse[:n], records
 
 

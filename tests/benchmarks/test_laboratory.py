@@ -9,7 +9,9 @@ import pytest
 
 import benchmarks.laboratory
 from benchmarks.laboratory.draws import BASES, SINGLES, UNKNOWN, bars_of, drawn
+from benchmarks.laboratory.effects import Delay
 from benchmarks.laboratory.hiding import hide
+from benchmarks.laboratory.plan import WINDOW_END
 from benchmarks.laboratory.simulation import measure
 from benchmarks.laboratory_trial import measurement_of, score, structure_of
 from modallab.diagnosis.diagnose import diagnose_with_options
@@ -47,6 +49,19 @@ def test_exact_model_misses_nothing(number: int) -> None:
     found = diagnose_with_options(structure_of(test.model), measurement_of(test.plan, measured), EXACT)
     assert found.verdict is Verdict.NOTHING_MISSING
     assert found.remaining_gap == pytest.approx(1.0, abs=0.3)  # its scatter, and the shape of a pulse
+
+
+def test_a_late_channel_of_a_hammer_test_is_only_late() -> None:
+    test = drawn(HAMMER, 1)
+    plan, late = replace(test.plan, noise=1e-12), 1e-6
+    without, with_delay = (
+        measure(test.model, plan, effects, np.random.default_rng(0)).inertance
+        for effects in ((), (Delay(late),))
+    )
+    damping = -np.log(WINDOW_END) * plan.spacing
+    expected = without * np.exp(-(damping + 2j * np.pi * plan.freq) * late)[:, None, None]
+    # A late response is cut off a little earlier, where a thousandth of its weight is left.
+    assert np.abs(with_delay - expected).max() < 1e-5 * np.abs(without).max()
 
 
 @pytest.mark.parametrize("name", [*SINGLES, *UNKNOWN])
