@@ -37,9 +37,8 @@ class Tolerated:
     def __init__(self, bench: Bench, *, tolerant: bool = True) -> None:
         self._bench = bench
         system = assemble(bench.structure)
-        self.numbers = (
-            nuisance_parameters(tolerances(bench), system, bench.setup) if tolerant else Nuisances()
-        )
+        numbers = nuisance_parameters(tolerances(bench), system, bench.setup) if tolerant else Nuisances()
+        self.numbers = numbers.without(numbers.above_band)
 
     @cached_property
     def gauge(self) -> Gauge:

@@ -9,6 +9,7 @@ from modallab.core.progress import Progress, Pulse, part
 from modallab.diagnosis.assumed_tolerances import deviate_far, refitted_path, refitted_round
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.fitting.settings import FIT
+from modallab.diagnosis.fitting.visible_nuisances import with_visible_nuisances
 from modallab.diagnosis.optimisation.nuisances import nuisance_parameters
 from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.predicting.held_out import outlying_frfs, select_held_out
@@ -102,7 +103,7 @@ class SearchTask:
         alone = second.with_effects(found.path.fit.effects)
         if not is_noise_only(second.predictor, alone) and self.max_effects > 1:
             budget = first.predictor.budget
-            budget.limit_to(BUDGET.first_search)
+            budget.scale_limit(BUDGET.first_search)
             if not budget.exhausted:
                 found = self._search_from(first, self.max_effects, part(pulse, 0.5, 0.75), single_effects)
                 if "frf" not in found.unexplained_parts:
@@ -243,7 +244,8 @@ def _predictor(
         all_responses,
         damping_unknown=isinstance(structure.damping, UnknownDamping),
     )
-    first = first.with_nuisances(nuisances)
+    first = with_visible_nuisances(first.with_nuisances(nuisances))
+    budget.scale_limit(1 + len(first.nuisances) / BUDGET.nuisance_parameters)
     for _ in range(FIT.unknown_damping_fits if nuisances.damping_free else 0):
         first = first.with_nuisances_at(fit(first, ()).nuisance_position)
     follow_up_predictors = [

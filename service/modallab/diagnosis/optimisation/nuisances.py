@@ -50,6 +50,8 @@ class Nuisance:
     """Shape of a random field, from 0; None for a parameter of no field."""
     logarithmic: bool = False
     """Whether the standard deviation is of the value's logarithm."""
+    above_band: bool = False
+    """Whether it belongs to a mode above the band, which few tests show."""
 
     def value(self, position: float) -> float:
         """Return the value at a position in standard deviations."""
@@ -98,7 +100,7 @@ class Nuisances:
     mass: float = 0.0
     """kg, declared mass of an accelerometer."""
     loss_factors: tuple[float, ...] = ()
-    """Loss factors of the model's elastic modes in the band."""
+    """Loss factors of the model's lowest elastic modes."""
     field: RandomField = NO_FIELD
     """Smooth deviations of the members' modulus and density."""
     damping_free: bool = False
@@ -189,6 +191,17 @@ class Nuisances:
         """Return the indices of the parameters of a name."""
         return np.flatnonzero(np.array([nuisance.name == name for nuisance in self.parameters], bool))
 
+    @property
+    def above_band(self) -> IntArray:
+        """Indices of the parameters of modes above the band."""
+        return np.flatnonzero(np.array([nuisance.above_band for nuisance in self.parameters], bool))
+
+    def without(self, indices: IntArray) -> "Nuisances":
+        """Return the parameters without some of them, which keep their declared values."""
+        omitted = set(indices.tolist())
+        kept = tuple(nuisance for i, nuisance in enumerate(self.parameters) if i not in omitted)
+        return replace(self, parameters=kept)
+
     def _member_deviations(self, position: FloatArray) -> list[Effect]:
         """Return the effect of the random fields; none where they are zero."""
         stiffness, mass = (self._member_factors(name, position) for name in FIELDS)
@@ -231,7 +244,7 @@ def nuisance_parameters(
     system
         The model without transducers.
     damping_unknown
-        Whether the loss factor of each elastic mode in the band is free, over two decades.
+        Whether the loss factor of each elastic mode is free, over two decades.
     """
     places: list[Place] = [None] if setup.accelerometers.roving else [Channels((d,)) for d in setup.responses]
     nuisances: list[Nuisance] = []
@@ -247,11 +260,13 @@ def nuisance_parameters(
         nuisances += [Nuisance("delay", tolerances.delay, 0.0, "s", at) for at in places]
     loss_factors: tuple[float, ...] = ()
     if tolerances.modal_loss_factor or damping_unknown:
-        loss_factors = _loss_factors(system, setup.analyser.frequency_max)
+        loss_factors, n_near = _loss_factors(system, setup.analyser.frequency_max)
         stated = tolerances.modal_loss_factor or 0.0
         deviation = NUISANCE.unknown_loss_factor if damping_unknown else stated
         nuisances += [
-            Nuisance("modal_loss_factor", deviation, 1.0, "1", mode=i, logarithmic=True)
+            Nuisance(
+                "modal_loss_factor", deviation, 1.0, "1", mode=i, logarithmic=True, above_band=i > n_near
+            )
             for i, eta in enumerate(loss_factors, 1)
             if eta > 0
         ]
@@ -272,10 +287,12 @@ def _field(system: DynamicSystem, deviations: Mapping[str, float]) -> RandomFiel
     return RandomField.of(system.members, max(deviations.values()))
 
 
-def _loss_factors(system: DynamicSystem, frequency_max: float) -> tuple[float, ...]:
-    top = NUISANCE.loss_margin * frequency_max
+def _loss_factors(system: DynamicSystem, frequency_max: float) -> tuple[tuple[float, ...], int]:
+    """Return the loss factors of elastic modes, and how many of them are in the band or near it."""
+    top, near = (ratio * frequency_max for ratio in (NUISANCE.loss_reach, NUISANCE.loss_margin))
     basis = system.modes(top).elastic()
-    return tuple(basis.loss_factors[basis.frequencies <= top].tolist())
+    loss_factors = basis.loss_factors[basis.frequencies <= top]
+    return tuple(loss_factors.tolist()), int((basis.frequencies <= near).sum())
 
 
 def draw_positions(n: int, rng: np.random.Generator) -> FloatArray:

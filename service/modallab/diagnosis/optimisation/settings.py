@@ -99,8 +99,19 @@ class NuisanceSettings(Settings):
     )
     loss_margin: float = setting(
         1.25,
-        doc="highest frequency of a mode with a loss factor of its own, over the top of the band",
-        derived="a mode that far above the band lends its last lines a tenth of its damping or less",
+        doc="highest frequency of a mode that always has a loss factor of its own, over the top of the band",
+        derived="an effect that lowers it by a fifth brings it into the band",
+    )
+    loss_reach: float = setting(
+        6.0,
+        doc="highest frequency of a mode that has one if the test shows it, over the top of the band",
+        derived="its share of a response at the top of the band is a thirty-sixth of a mode's at the top",
+    )
+    least_visibility: float = setting(
+        1.0,
+        unit="independent squared errors",
+        doc="change of the residuals by one standard deviation of a parameter that a test shows",
+        derived="a smaller one is not told from random error",
     )
     max_deviation: float = setting(
         3.0,

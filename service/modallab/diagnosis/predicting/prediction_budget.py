@@ -16,9 +16,9 @@ class PredictionBudget:
         """Count predictions, the predictions that take as long, or the share of the lines of one."""
         self.spent += predictions
 
-    def limit_to(self, share: float) -> None:
-        """Reduce the budget to a share."""
-        self._limit *= share
+    def scale_limit(self, ratio: float) -> None:
+        """Multiply the limit by a ratio."""
+        self._limit *= ratio
 
     @property
     def remaining(self) -> float:

@@ -67,6 +67,12 @@ class BudgetSettings(Settings):
         doc="predictions of all lines, for each test, after which a search follows no further candidate",
         tuned="blind trial: a pair of effects mostly takes half as many, hopeless searches took ten minutes",
     )
+    nuisance_parameters: float = setting(
+        100.0,
+        unit="parameters",
+        doc="nuisance parameters with which a test has twice as many predictions",
+        tuned="a foreign pair under 45 of them takes 1.4 times what a test has without any",
+    )
     first_search: float = setting(
         0.4,
         doc="share of the predictions for a search that a second one under assumed tolerances may follow",

@@ -62,7 +62,7 @@ def test_a_found_explanation_is_compared_with_its_rivals_though_the_budget_is_sp
     oscillator = AttachedOscillator(Dof(4, "Y"), 0.02, frequency=5e3)  # far above the band: a mass
     path = accepted(predictor, oscillator, (MASS,), GAIN)
     assert is_noise_only(predictor, path.fit)
-    predictor.budget.limit_to(0.0)
+    predictor.budget.scale_limit(0.0)
     assert names(refine_path(predictor, path)) == {kind_and_place(MASS), kind_and_place(GAIN)}
 
 
