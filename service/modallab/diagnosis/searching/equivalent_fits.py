@@ -1,9 +1,11 @@
 """Fits of a round that a measurement cannot tell from the one that was accepted."""
 
+from dataclasses import replace
+
 from modallab.diagnosis.fitting.fit import Fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import incomplete_variance_inflation, unexplained_parts
-from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath
+from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, kind_and_place
 from modallab.diagnosis.searching.settings import ACCEPTANCE
 
 
@@ -11,13 +13,20 @@ def without_undetermined_effects(predictor: Predictor, path: SearchPath) -> Sear
     """Return a path without its last effects where others do as well and none of them leaves noise alone.
 
     What remains beside the first effects is then more than any effect explains, and which one comes
-    nearest is chance: a model that is wrong everywhere by a little leaves as much.
+    nearest is chance: a model that is wrong everywhere by a little leaves as much. Where the only one has
+    fewer parameters, it takes the place of the effect: a mass that of an oscillator tuned far above the band.
     """
     while len(path.steps) > 1 and unexplained_parts(predictor, path.fit, max_lag=None):
-        last = path.steps[-1]
-        if not equivalent_fits(predictor, last, named_fit(last)):
+        *others, last = path.steps
+        chosen = named_fit(last)
+        equivalents = equivalent_fits(predictor, last, chosen)
+        if not equivalents:
             break
-        path = SearchPath(path.start, path.steps[:-1])
+        simpler = equivalents[0]
+        if len(equivalents) == 1 and simpler.n_parameters < chosen.n_parameters:
+            name = kind_and_place(simpler.effects[-1])
+            others.append(replace(last, kind_and_place=name, fit=simpler))
+        path = SearchPath(path.start, tuple(others))
     return path
 
 

@@ -11,6 +11,7 @@ from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import model_probabilities, unexplained_parts
 from modallab.diagnosis.searching.equivalent_fits import equivalent_fits, without_undetermined_effects
 from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, kind_and_place
+from modallab.effects.attached_oscillator import AttachedOscillator
 from modallab.effects.density_error import DensityError
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.stiffness_error import StiffnessError
@@ -78,3 +79,27 @@ def test_where_only_noise_is_left_effects_stay() -> None:
     path = path_of(predictor, MASS, STIFFNESS, DENSITY)
     assert not unexplained_parts(predictor, path.fit, max_lag=None)
     assert without_undetermined_effects(predictor, path) is path
+
+
+def test_an_effect_with_fewer_parameters_takes_the_place_of_one_that_it_equals(predictor: Predictor) -> None:
+    far_above_the_band = AttachedOscillator(Dof(2, "Y"), 0.001, 1e5)
+    path = path_of(predictor, far_above_the_band, MASS)
+    oscillator, mass = sorted(last_round(path), key=lambda f: -f.n_parameters)
+    n, excess = mass.n_data, 20.0 * mass.n_data
+    fits = replace(oscillator, chi_square=n + excess), replace(mass, chi_square=n + 1.01 * excess)
+    step = replace(
+        path.steps[-1],
+        kind_and_place=kind_and_place(far_above_the_band),
+        fit=fits[0],
+        round_fits=fits,
+    )
+    reduced = without_undetermined_effects(predictor, replace(path, steps=(*path.steps[:-1], step)))
+    assert [kind_and_place(e) for e in reduced.fit.effects] == [
+        kind_and_place(JOINT_MASS),
+        kind_and_place(MASS),
+    ]
+    assert reduced.steps[-1].kind_and_place == kind_and_place(MASS)
+
+
+def last_round(path: SearchPath) -> tuple[Fit, ...]:
+    return path.steps[-1].round_fits
