@@ -4,7 +4,6 @@ Every fit also estimates the nuisance parameters under their prior; see `nuisanc
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 
@@ -13,15 +12,13 @@ from numpy.typing import NDArray
 
 from modallab.core.arrays import FloatArray
 from modallab.core.numerics import SAFE_SQUARED_DIVISOR
-from modallab.diagnosis.fitting.coarse_fit import with_prior_rows
-from modallab.diagnosis.fitting.covariance import ParameterErrors, deviating_predictions, standard_errors
+from modallab.diagnosis.fitting.covariance import ParameterErrors, standard_errors
+from modallab.diagnosis.fitting.fit_task import FitTask, minimised
 from modallab.diagnosis.fitting.held_out_nuisances import fit_held_out_nuisances
 from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.optimisation.fit_parameters import ParameterVector
-from modallab.diagnosis.optimisation.least_squares import BoundedGaussNewton
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.residuals.predicted import Predicted
-from modallab.diagnosis.residuals.residual import Residual, error_ratio, inflation_weights, residual
+from modallab.diagnosis.residuals.residual import Residual, error_ratio
 from modallab.rig.effect import Effect
 from modallab.rig.spectrum_settings import SIMULATED_VARIANCE
 
@@ -125,6 +122,22 @@ def fit(
     return found
 
 
+def chi_square_with_own_errors(predictor: Predictor, effects: Sequence[Effect]) -> float:
+    """Return chi-square of effects as they are, with the random errors that distortion of their size has.
+
+    The nuisance parameters are the predictor's; nothing is fitted.
+    """
+    plain, predictor = predictor, predictor.with_intermittent_errors(effects)
+    vector = predictor.residual(effects).vector(predictor.observed.fitted)
+    prior = predictor.observed.correlation_length * float(predictor.position @ predictor.position)
+    return float(vector @ vector) + prior + _normalisation(plain, predictor)
+
+
+def _normalisation(plain: Predictor, wide: Predictor) -> float:
+    """Return what wider random errors add to chi-square: they pay for the residuals that they forgive."""
+    return -2 * float(np.log(error_ratio(plain.observed, wide.observed)).sum())
+
+
 def with_optional_parameters(predictor: Predictor, candidate: Fit, near: Fit) -> Fit:
     """Return a fit with the optional parameters of its last effect too, if they are worth it by BIC.
 
@@ -164,8 +177,8 @@ def _fit(
     """Return `fit` with the random errors of the start."""
     plain, predictor = predictor, predictor.with_intermittent_errors([*fixed, *effects])
     known = None if near is None or predictor.observed is not plain.observed else near.nuisance_derivatives
-    task = _FitTask(predictor, fixed, ParameterVector(effects), known)
-    start, derivatives = _minimised(task, max_chi_square)
+    task = FitTask(predictor, fixed, ParameterVector(effects), known)
+    start, derivatives = minimised(task, max_chi_square)
     fitted_residual, final, position = task.residuals[start.tobytes()], *task.at(start)
     observed = predictor.observed
     vector = fitted_residual.vector(observed.fitted)
@@ -183,8 +196,7 @@ def _fit(
         fitted_residual = predictor.residual([*fixed, *final])
     compute_errors = partial(standard_errors, predictor, tuple(fixed), tuple(final), fitted_residual)
     if predictor.observed is not plain.observed:
-        # The normalisation of the likelihood: wider errors have to pay for the residuals that they forgive.
-        chi_square -= 2 * float(np.log(error_ratio(plain.observed, predictor.observed)).sum())
+        chi_square += _normalisation(plain, predictor)
         fitted_residual = plain.with_nuisances_at(position).residual([*fixed, *final])
     return Fit(
         tuple(final),
@@ -198,73 +210,6 @@ def _fit(
         starting_position,
         known if effects or fixed else derivatives.astype(np.float32),
     )
-
-
-def _minimised(task: "_FitTask", max_chi_square: float) -> tuple[FloatArray, FloatArray]:
-    """Return the position of the minimum, and the derivatives of the data's residuals there.
-
-    Parameters
-    ----------
-    max_chi_square
-        Sum of squares above which the position after a few steps is returned.
-    """
-    parameters, limits = task.parameters, task.predictor.nuisances.limits[task.free]
-    start = np.concatenate([parameters.start, task.predictor.position[task.free]])
-    if not len(start):
-        task.vector(start)
-        return start, np.zeros((1, 0))
-    low = np.concatenate([parameters.low, -limits])
-    high = np.concatenate([parameters.high, limits])
-    minimum = BoundedGaussNewton(task.vector, task.derivatives, start, (low, high))
-    tolerated = len(task.free) * FIT.nuisance_tolerance
-    if np.isfinite(max_chi_square):
-        attempt = copy(minimum)
-        attempt.minimise(
-            evaluations=FIT.first_steps,
-            tolerance=FIT.coarse_tolerance + tolerated,
-            corrections=FIT.first_steps,
-            renewals=False,
-        )
-        if float(attempt.vector @ attempt.vector) > max_chi_square:
-            return attempt.position, attempt.jacobian[: len(attempt.vector) - len(task.free)]
-    if not len(parameters):
-        _approach(minimum, task)
-    minimum.minimise(
-        evaluations=FIT.max_evaluations,
-        tolerance=FIT.coarse_tolerance + tolerated,
-        excess_share=FIT.excess_share,
-        # Where an effect is fitted too, steps with corrected derivatives may end before they reach the data.
-        corrections=1 if len(parameters) else max(1, len(task.free) // FIT.parameters_per_correction),
-    )
-    if float(minimum.vector @ minimum.vector) < FIT.near_noise * len(minimum.vector):
-        if minimum.corrections > FIT.max_corrections:
-            minimum.renew()
-        minimum.minimise(
-            evaluations=FIT.max_evaluations,
-            tolerance=FIT.tolerance + tolerated,
-            excess_share=0.0 if len(parameters) else FIT.excess_share_without_effects,
-            prediction_error=FIT.prediction_error,
-        )
-    return minimum.position, minimum.jacobian[: len(minimum.vector) - len(task.free)]
-
-
-def _approach(minimum: BoundedGaussNewton, task: "_FitTask") -> None:
-    """Bring a fit far from the data nearer, with every random error inflated, stage by stage.
-
-    Where tolerances shift resonances by more than their bandwidths the cost has many local minima; inflated
-    it has one.
-    """
-    observed, n_data = task.predictor.observed, len(minimum.vector)
-    for inflation in FIT.approach_inflations:
-        if float(minimum.vector @ minimum.vector) < FIT.far_from_data * n_data:
-            return
-        weights = inflation_weights(observed, observed.fitted, inflation)
-        minimum.minimise(
-            evaluations=FIT.approach_evaluations,
-            tolerance=FIT.coarse_tolerance + len(task.free) * FIT.nuisance_tolerance,
-            excess_share=FIT.excess_share,
-            weights=np.concatenate([weights, np.ones(len(task.free))]),
-        )
 
 
 def _missing_effect_variance(square: float, n_data: int, correlation_length: float) -> float:
@@ -297,71 +242,3 @@ def _prior_step(derivatives: FloatArray, position: FloatArray) -> FloatArray:
     curvature = (derivatives.T @ derivatives + np.diag(prior)) / np.outer(size, size)
     step: FloatArray = -np.linalg.pinv(curvature) @ (gradient / size) / size
     return step[n_parameters - n :]
-
-
-class _FitTask:
-    """Residuals of a fit by the parameters of effects and, after them, nuisance parameters."""
-
-    def __init__(
-        self,
-        predictor: Predictor,
-        fixed: Sequence[Effect],
-        parameters: ParameterVector,
-        known: NDArray[np.float32] | None,
-    ) -> None:
-        self.predictor, self.fixed, self.parameters = predictor, tuple(fixed), parameters
-        self._known = known
-        observed = predictor.observed
-        # Parameters of held-out channels alone act on no fitted line: they are fitted afterwards.
-        self.free, self.held_out = predictor.nuisances.split(observed.outputs, observed.held_out)
-        self.residuals: dict[bytes, Residual] = {}
-        self._predicted: dict[bytes, Predicted] = {}
-        self._prior = np.full(len(self.free), np.sqrt(observed.correlation_length))
-
-    def at(self, u: FloatArray) -> tuple[list[Effect], FloatArray]:
-        """Return the effects and the position of all nuisance parameters."""
-        n, position = len(self.parameters), self.predictor.position.copy()
-        position[self.free] = u[n:]
-        return self.parameters.with_values(u[:n]), position
-
-    def vector(self, u: FloatArray) -> FloatArray:
-        """Return the residuals at the fitted lines and channels, then those of the prior."""
-        effects, position = self.at(u)
-        predicted = self.predictor.with_nuisances_at(position).predict([*self.fixed, *effects])
-        fitted_residual = residual(self.predictor.observed, predicted)
-        self.residuals[u.tobytes()], self._predicted[u.tobytes()] = fitted_residual, predicted
-        data = fitted_residual.vector(self.predictor.observed.fitted)
-        return np.concatenate([data, self._prior * u[len(self.parameters) :]])
-
-    def derivatives(self, u: FloatArray, _vector: FloatArray) -> FloatArray:
-        """Return the derivatives (n_data, n) of residuals at a position that was evaluated."""
-        effects, position = self.at(u)
-        observed = self.predictor.observed
-        predictor, acting = self.predictor.with_nuisances_at(position), [*self.fixed, *effects]
-        predict = predictor.linearisation_at(acting)
-
-        def predict_fitted(perturbed: Sequence[Effect]) -> Predicted:
-            return predict([*self.fixed, *perturbed])
-
-        def vector(predicted: Predicted) -> FloatArray:
-            return residual(observed, predicted).vector(observed.fitted)
-
-        evaluated = self._predicted[u.tobytes()]
-        # Without leakage the thin grid of the linearisation is exact.
-        base = evaluated if evaluated.excess_variance is None else predict_fitted(effects)
-        by_parameters = self.parameters.derivatives(
-            u[: len(self.parameters)], lambda perturbed: vector(predict_fitted(perturbed)), vector(base)
-        )
-        known, self._known = self._known, None  # they serve once: where they mislead they are renewed
-        if known is not None:
-            return with_prior_rows(by_parameters, known.astype(float), self._prior)
-        deviating = deviating_predictions(predictor, acting, predict)
-        by_nuisances = self.predictor.nuisances.derivatives(
-            lambda deviations: deviating([*deviations, *acting]),
-            vector,
-            base,
-            observed,
-            position,
-            self.free,
-        )
-        return with_prior_rows(by_parameters, by_nuisances, self._prior)

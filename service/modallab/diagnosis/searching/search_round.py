@@ -16,6 +16,7 @@ from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import is_noise_only, ranked_by_bic
+from modallab.diagnosis.searching.narrower_errors import with_narrower_errors
 from modallab.diagnosis.searching.neighbouring_places import neighbouring_effects
 from modallab.diagnosis.searching.scanning import StartingPoint, scan
 from modallab.diagnosis.searching.search_path import kind_and_place
@@ -216,6 +217,7 @@ class _Round:
         self._fitted.add(kind_and_place(effect))
         with suppress(InvalidInputError):
             candidate = fit(self._predictor, (*self._accepted, effect), near=self._base)
+            candidate = with_narrower_errors(self._predictor, candidate, self._base)
             lowest = min((fitted.chi_square for fitted in self.fits), default=np.inf)
             if candidate.chi_square < ROUND.optional_cost * lowest:
                 candidate = with_optional_parameters(self._predictor, candidate, self._base)

@@ -238,6 +238,20 @@ class RoundSettings(Settings):
 
 
 @dataclass(frozen=True)
+class NarrowingSettings(Settings):
+    """Smaller effects in bursts, whose random errors are narrower."""
+
+    ratio: float = setting(
+        0.5,
+        doc="size of an effect over that of the step before",
+        derived="an octave: errors are known to that",
+    )
+    max_steps: int = setting(
+        8, unit="steps", doc="largest number of steps", derived="two decades, as the grid of sizes is wide"
+    )
+
+
+@dataclass(frozen=True)
 class SearchSettings(Settings):
     """Forward selection of effects."""
 
@@ -323,5 +337,6 @@ SHORTLIST = ShortlistSettings()
 SCREENING = ModificationScreenSettings()
 SCAN = ScanSettings()
 ROUND = RoundSettings()
+NARROWING = NarrowingSettings()
 SEARCH = SearchSettings()
 MULTIPLE_ELEMENTS = MultipleElementsSettings()

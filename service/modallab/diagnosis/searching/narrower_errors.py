@@ -1,0 +1,42 @@
+"""Fits of effects in bursts whose random errors are too wide: repeated from smaller effects."""
+
+from collections.abc import Sequence
+
+from modallab.diagnosis.fitting.fit import Fit, chi_square_with_own_errors, fit
+from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.searching.acceptance import parts_with_wide_errors
+from modallab.diagnosis.searching.settings import NARROWING
+from modallab.diagnosis.searching.starting_values import with_amount_scaled
+from modallab.rig.effect import Effect
+
+
+def with_narrower_errors(predictor: Predictor, candidate: Fit, near: Fit) -> Fit:
+    """Return a fit whose errors are those of its data; the candidate, if no smaller effect is likelier.
+
+    The errors of distortion in bursts are those of an effect's size at the start of its fit. Far too large
+    they forgive any residual, and the fit ends near that start.
+
+    Parameters
+    ----------
+    near
+        As in `fit`.
+    """
+    if not parts_with_wide_errors(predictor, candidate):
+        return candidate
+    predictor = predictor.with_nuisances_at(candidate.nuisance_position)
+    effects, least = candidate.effects, chi_square_with_own_errors(predictor, candidate.effects)
+    for _ in range(NARROWING.max_steps):
+        smaller = _with_smaller_bursts(effects)
+        chi_square = chi_square_with_own_errors(predictor, smaller)
+        if chi_square >= least:
+            break
+        effects, least = smaller, chi_square
+    if effects == candidate.effects:
+        return candidate
+    return min(candidate, fit(predictor, effects, near=near), key=lambda found: found.chi_square)
+
+
+def _with_smaller_bursts(effects: Sequence[Effect]) -> tuple[Effect, ...]:
+    return tuple(
+        with_amount_scaled(effect, NARROWING.ratio) if effect.intermittent else effect for effect in effects
+    )
