@@ -52,19 +52,29 @@ class Bars:
         """Return the index of a DoF."""
         return DOFS * node + direction
 
+    @property
+    def n_dof(self) -> int:
+        """Number of DoFs: those of nodes, then the rotation of each bar behind its joint."""
+        return DOFS * len(self.points) + len(self.joints)
+
     def column(self, node: int, direction: int) -> Reals:
         """Return the column (n_dof,) of a DoF."""
-        column = np.zeros(DOFS * len(self.points))
+        column = np.zeros(self.n_dof)
         column[self.dof(node, direction)] = 1.0
         return column
 
     def matrices(self) -> tuple[Reals, Reals]:
         """Return mass and stiffness, (n_dof, n_dof)."""
-        n = DOFS * len(self.points)
+        n = self.n_dof
         mass, stiffness = np.zeros((n, n)), np.zeros((n, n))
+        behind_joint = {bar: n - len(self.joints) + i for i, bar in enumerate(self.joints)}
         for bar, (first, second) in enumerate(self.ends):
             m, k = self._of_bar(bar)
             rows = np.r_[DOFS * first : DOFS * first + DOFS, DOFS * second : DOFS * second + DOFS]
+            if bar in behind_joint:
+                pair = [rows[2], behind_joint[bar]]
+                stiffness[np.ix_(pair, pair)] += np.array([[1, -1], [-1, 1]]) / self.joints[bar]
+                rows[2] = behind_joint[bar]
             mass[np.ix_(rows, rows)] += m
             stiffness[np.ix_(rows, rows)] += k
         return mass, stiffness
@@ -78,17 +88,6 @@ class Bars:
         mass[np.ix_(ACROSS, ACROSS)] = weight * STRAIGHT * np.outer(scale, scale)
         mass[np.ix_(ALONG, ALONG)] = weight / 6 * np.array([[2, 1], [1, 2]])
         bending = self.modulus[bar] * self.second_moment / length**3 * BENT * np.outer(scale, scale)
-        if bar in self.joints:  # the bar's own rotation behind the joint follows without inertia
-            spring = 1 / self.joints[bar]
-            follow = np.eye(4)
-            follow[1] = -bending[1] / (bending[1, 1] + spring)
-            follow[1, 1] = spring / (bending[1, 1] + spring)
-            shift = np.zeros(4)
-            shift[1] = 1.0
-            twist = follow[1] - shift
-            bending = follow.T @ bending @ follow + spring * np.outer(twist, twist)
-            across = mass[np.ix_(ACROSS, ACROSS)]
-            mass[np.ix_(ACROSS, ACROSS)] = follow.T @ across @ follow
         stiffness[np.ix_(ACROSS, ACROSS)] = bending
         stiffness[np.ix_(ALONG, ALONG)] = (
             self.modulus[bar] * self.area / length * np.array([[1, -1], [-1, 1]])
@@ -111,8 +110,10 @@ class Bars:
     @cached_property
     def losses(self) -> Reals:
         """(n_modes,), loss factors of the modes."""
-        factors = 1.0 if self.mode_factors is None else self.mode_factors
-        return np.asarray(self.loss_factor * factors * np.ones(len(self.modes[0])))
+        factors = np.ones(len(self.modes[0]))
+        if self.mode_factors is not None:  # joints add modes far above all others
+            factors[: len(self.mode_factors)] = self.mode_factors
+        return np.asarray(self.loss_factor * factors)
 
     def receptance(self, columns: Sequence[Reals], omega: Reals) -> Complexes:
         """Return receptances (n_freq, n, n) between columns, m/N, without attachments."""

@@ -276,7 +276,6 @@ class Swapped(Effect):
         """See `Effect.true_runs`."""
         a, b = self.at, self.other
         if len(runs[0].listening) > 1:
-            nodes = runs[0].listening
-            return [_at(_at(run, a, nodes[b]), b, nodes[a]) for run in runs]
-        exchanged = {a: runs[b].listening[0], b: runs[a].listening[0]}
+            return [_at(_at(run, a, run.true[b]), b, run.true[a]) for run in runs]
+        exchanged = {a: runs[b].true[0], b: runs[a].true[0]}
         return [_at(run, 0, exchanged[i]) if i in exchanged else run for i, run in enumerate(runs)]

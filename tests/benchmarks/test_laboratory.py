@@ -9,15 +9,17 @@ import pytest
 
 import benchmarks.laboratory
 from benchmarks.laboratory.draws import BASES, SINGLES, UNKNOWN, bars_of, drawn
-from benchmarks.laboratory.effects import Delay
+from benchmarks.laboratory.effects import Delay, Misplaced, Swapped
 from benchmarks.laboratory.hiding import hide
 from benchmarks.laboratory.plan import WINDOW_END
 from benchmarks.laboratory.simulation import measure
 from benchmarks.laboratory_trial import measurement_of, score, structure_of
+from modallab.core.dof import Dof
 from modallab.diagnosis.diagnose import diagnose_with_options
 from modallab.diagnosis.optimisation.tolerances import TolerancePreset
 from modallab.diagnosis.options import DiagnosisOptions
 from modallab.diagnosis.result import Verdict
+from modallab.effects.joint_flexibility import JointFlexibility
 from modallab.fe.assembly import assemble
 
 HAMMER, HANN, PERIODIC = 8, 5, 1  # numbers of such tests of seed 1
@@ -77,6 +79,24 @@ def test_every_effect_changes_what_is_measured(name: str) -> None:
         for part in ("inertance", "force", "response")
     ]
     assert max(changed) > 0.01  # without an effect the same random numbers give the same values
+
+
+@pytest.mark.parametrize("base", ["beam", "frame"])
+def test_a_joint_is_that_of_the_package(base: str) -> None:
+    bars = replace(bars_of(base), joints={3: 1e-3})
+    squares = bars.modes[0]
+    jointed = JointFlexibility(Dof(4, "RZ"), 1e-3).added_to(structure_of(bars))
+    ours = np.sort(assemble(jointed).modes(np.sqrt(squares[12]) / (2 * np.pi)).eigenvalues.real)[:12]
+    rigid = int((squares < 1e-6 * squares[11]).sum())
+    # Two eigensolvers and two orders of summation.
+    np.testing.assert_allclose(ours[rigid:], squares[rigid:12], rtol=1e-6)
+
+
+def test_an_accelerometer_that_sits_elsewhere_can_be_exchanged_too() -> None:
+    plan = drawn(PERIODIC, 1).plan
+    runs = Misplaced(0.0, at=0, other=17).true_runs(plan.runs)
+    exchanged = Swapped(0.0, at=0, other=1).true_runs(runs)
+    assert [run.true[0] for run in exchanged[:2]] == [plan.listening[1], 17]
 
 
 def test_what_is_named_is_judged_by_kind_and_place() -> None:
