@@ -34,7 +34,6 @@ class FitTask:
         # Parameters of held-out channels alone act on no fitted line: they are fitted afterwards.
         self.free, self.held_out = predictor.nuisances.split(observed.outputs, observed.held_out)
         self.residuals: dict[bytes, Residual] = {}
-        self._predicted: dict[bytes, Predicted] = {}
         self._prior = np.full(len(self.free), np.sqrt(observed.correlation_length))
 
     def at(self, u: FloatArray) -> tuple[list[Effect], FloatArray]:
@@ -48,7 +47,7 @@ class FitTask:
         effects, position = self.at(u)
         predicted = self.predictor.with_nuisances_at(position).predict([*self.fixed, *effects])
         fitted_residual = residual(self.predictor.observed, predicted)
-        self.residuals[u.tobytes()], self._predicted[u.tobytes()] = fitted_residual, predicted
+        self.residuals[u.tobytes()] = fitted_residual
         data = fitted_residual.vector(self.predictor.observed.fitted)
         return np.concatenate([data, self._prior * u[len(self.parameters) :]])
 
@@ -65,9 +64,7 @@ class FitTask:
         def vector(predicted: Predicted) -> FloatArray:
             return residual(observed, predicted).vector(observed.fitted)
 
-        evaluated = self._predicted[u.tobytes()]
-        # Without leakage the thin grid of the linearisation is exact.
-        base = evaluated if evaluated.excess_variance is None else predict_fitted(effects)
+        base = predict_fitted(effects)  # as the others: what approximations leave cancels
         by_parameters = self.parameters.derivatives(
             u[: len(self.parameters)], lambda perturbed: vector(predict_fitted(perturbed)), vector(base)
         )

@@ -28,6 +28,8 @@ from modallab.rig.setup import RigSetup
 NO_FIELD = RandomField()
 FIELDS = ("modulus_variation", "density_variation")
 """Tolerances that are random fields: of the stiffness and the mass of members."""
+FACTORS = ("modulus", "density", "sensitivity")
+"""Tolerances of factors: of two the effect is their product."""
 
 
 @dataclass(frozen=True)
@@ -60,8 +62,12 @@ class Nuisance:
         return self.declared + self.standard_deviation * position
 
     def slope_ratio(self, position: float) -> float:
-        """Return the slope of the value at a position, over that at 0."""
-        return self.value(position) / self.declared if self.logarithmic else 1.0
+        """Return the slope of the value at a position, over that of an additional effect's at 0.
+
+        Additional factors multiply the value, additional loss factors and masses add to it.
+        """
+        slope = self.value(position) / self.declared if self.logarithmic else 1.0
+        return slope / self.value(position) if self.name in FACTORS else slope
 
     def standard_error(self, position: float, error: float) -> float:
         """Return the standard error of the value, from that of a position in standard deviations."""
@@ -167,7 +173,6 @@ class Nuisances:
             perturbed = parameter.channel_prediction(base, observed)
             if perturbed is None:
                 perturbed = predict(self.effects(step * (np.arange(len(self)) == index)))
-            # Additional loss factors add to those of the prediction, whatever these are.
             slope = parameter.slope_ratio(float(position[index])) / step
             columns[:, i] = slope * (vector(perturbed) - residuals)
         return columns

@@ -1,5 +1,7 @@
 """What may differ a little is fitted with every effect, within its limits, and is no missing effect."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import norm
@@ -191,12 +193,14 @@ def test_a_model_far_off_within_its_tolerances_is_found_from_the_declared_one() 
 
 
 def test_derivatives_by_nuisance_parameters_are_those_of_moved_positions() -> None:
-    """Also by loss factors, which are far from linear in a position on a logarithmic scale."""
-    true = off(0)
-    predictor, numbers = allowing(rig(), true)
-    position = true[: len(numbers)]
+    """Also by loss factors on a logarithmic scale, and by factors that are far from 1."""
+    wide = replace(ALL, modulus=0.03, density=0.03, sensitivity=0.05)
+    predictor, _ = allowing(rig(), off(0))
+    numbers = nuisance_parameters(wide, assemble(model()), rig())
+    predictor = predictor.with_nuisances(numbers)
+    position = 2.0 * off(1)[: len(numbers)]
     near = predictor.with_nuisances_at(position)
-    observed, step = predictor.observed, 1e-3
+    observed, step = predictor.observed, 1e-4
 
     def vector(at: FloatArray) -> FloatArray:
         return residual(observed, predictor.with_nuisances_at(at).predict(())).vector(observed.fitted)
@@ -204,7 +208,7 @@ def test_derivatives_by_nuisance_parameters_are_those_of_moved_positions() -> No
     derivatives = numbers.derivatives(
         near.linearisation_at(()),
         lambda predicted: residual(observed, predicted).vector(observed.fitted),
-        near.predict(()),
+        near.linearisation_at(())(()),
         observed,
         position,
         np.arange(len(numbers)),
@@ -212,13 +216,11 @@ def test_derivatives_by_nuisance_parameters_are_those_of_moved_positions() -> No
     for i, derivative in enumerate(derivatives.T):
         shift = step * (np.arange(len(numbers)) == i)
         central = (vector(position + shift) - vector(position - shift)) / (2 * step)
-        # The mass correction of a channel's force is left out, and the difference is one-sided.
-        assert np.linalg.norm(derivative - central) < 0.02 * np.linalg.norm(central)
+        # Rounding of parameters that hardly act: 4e-4 of the loss factor of a mode far above the band.
+        assert np.linalg.norm(derivative - central) < 2e-3 * np.linalg.norm(central)
 
 
 def test_what_belongs_to_a_held_out_channel_is_read_off_that_channel() -> None:
-    from dataclasses import replace
-
     predictor, numbers = allowing(rig(roving=False), true := off(2))
     held = np.array([False, False, True, False, False, True])
     predictor = replace(predictor, observed=replace(predictor.observed, held_out=held))
