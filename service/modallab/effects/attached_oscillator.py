@@ -66,6 +66,16 @@ class AttachedOscillator(Effect):
         fixed = "loss_factor" if self.damping_ratio > 0 else "damping_ratio"
         return [fitted for fitted in super().fitted_specs() if fitted[0] != fixed]
 
+    def limiting_effects(self) -> tuple[Effect, ...]:
+        """Return the mass of an oscillator far above the band, and the spring of a heavy one far below it."""
+        stiffness = self.mass * (2 * np.pi * self.frequency) ** 2
+        limits = (("extra_mass", "mass", self.mass), ("ground_spring", "stiffness", stiffness))
+        return tuple(
+            EFFECTS[kind](at=self.at).with_parameters({name: amount})
+            for kind, name, amount in limits
+            if amount <= EFFECTS[kind].specs()[name].upper
+        )
+
     def check(self, structure: Structure, setup: RigSetup | None = None) -> None:
         """Raise unless it sits at a translation of the structure; see `Effect.check`."""
         super().check(structure, setup)

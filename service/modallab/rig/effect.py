@@ -173,6 +173,10 @@ class Effect(Parameterised):
         extra_parameters = tuple(name for name in self.specs() if name not in common_parameters)
         return cls(at=self.at, **common_parameters), extra_parameters
 
+    def limiting_effects(self) -> "tuple[Effect, ...]":
+        """Return effects with fewer parameters that it tends to where one of its own becomes large."""
+        return ()
+
     def fitted_specs(self) -> list[tuple[str, ParameterSpec, float]]:
         """Return name, specification and default of each parameter that a fit varies.
 

@@ -112,3 +112,22 @@ def test_first_looks_lie_within_the_band() -> None:
     for top in (50.0, 5000.0):
         looks = AttachedOscillator(Dof(5, "Y")).scan_values(SYSTEM, rig(1, analyser={"frequency_max": top}))
         assert all(0 < frequency < top for frequency in looks["frequency"])
+
+
+@pytest.mark.parametrize(
+    ("mass", "frequency", "kind"), [(0.02, 1e5, "extra_mass"), (8.0, 3.0, "ground_spring")]
+)
+def test_what_it_tends_to_outside_the_band_does_the_same(mass: float, frequency: float, kind: str) -> None:
+    attached = AttachedOscillator(Dof(9, "Y"), mass, frequency, loss_factor=1e-6)
+    (limit,) = (effect for effect in attached.limiting_effects() if effect.kind == kind)
+    freq = np.linspace(60.0, 800.0, 100)
+    oscillator, alone, bare = (
+        chain(SYSTEM, rig(1, 7, 16), effects).respond(freq).inertance for effects in ([attached], [limit], [])
+    )
+    # A line is twenty times the oscillator's frequency or more, or a hundredth of it: (1/20)^2 of its effect.
+    assert np.linalg.norm(oscillator - alone) < 0.02 * np.linalg.norm(bare - alone)
+
+
+def test_a_mass_beyond_the_bounds_of_an_extra_mass_is_none() -> None:
+    kinds = [e.kind for e in AttachedOscillator(Dof(3, "Y"), 80.0, 3.0).limiting_effects()]
+    assert kinds == ["ground_spring"]

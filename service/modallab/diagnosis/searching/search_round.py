@@ -80,6 +80,7 @@ def fit_candidates(
         nonlinear = [effect for effect in nonlinear if _is_imitated(effect, explanation, system)]
         nonlinear = candidates.rivals_among(nonlinear)
     candidates.examine(nonlinear, part(progress, share, 1.0))
+    candidates.fit_limiting_effects()
     candidates.fit_reduced_model()
     return ranked_by_bic(candidates.fits)
 
@@ -202,6 +203,24 @@ class _Round:
 
     def _best_of(self, kind: str) -> Fit:
         return min((f for f in self.fits if f.effects[-1].kind == kind), key=_bic)
+
+    def fit_limiting_effects(self) -> None:
+        """Fit what the best effect tends to, from there: a fit from the scan may have ended elsewhere."""
+        if not self.fits:
+            return
+        best = min(self.fits, key=_bic)
+        predictor = self._predictor.with_nuisances_at(best.nuisance_position)
+        for effect in best.effects[-1].limiting_effects():
+            name = kind_and_place(effect)
+            if name not in self._suspected:
+                continue
+            limit = ROUND.limiting_cost * best.chi_square
+            with suppress(InvalidInputError):
+                found = fit(predictor, (*self._accepted, effect), near=self._base, max_chi_square=limit)
+                known = [f for f in self.fits if kind_and_place(f.effects[-1]) == name]
+                if all(found.chi_square < f.chi_square for f in known):
+                    self._fitted.add(name)
+                    self.fits = [found, *(f for f in self.fits if f not in known)]
 
     def fit_reduced_model(self) -> None:
         """Fit the reduced model of the best effect, which may not have been among the best."""

@@ -212,6 +212,11 @@ class RoundSettings(Settings):
         doc="cost over that of the best effect above which another is neither fitted nor followed",
         tuned=TESTS,
     )
+    limiting_cost: float = setting(
+        100.0,
+        doc="chi-square after a few steps, over the best fit's, above which what that tends to is given up",
+        tuned="a spring that a heavy oscillator below the band imitates: 50 times, and it explains the test",
+    )
     budget_share: float = setting(
         0.5,
         doc="share of the remaining predictions that the fits of a round may take",

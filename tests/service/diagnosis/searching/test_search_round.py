@@ -16,6 +16,7 @@ from modallab.diagnosis.predicting.prediction_budget import PredictionBudget
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.scanning import StartingPoint, scan
 from modallab.diagnosis.searching.search_round import Suspects, fit_candidates
+from modallab.effects.attached_oscillator import AttachedOscillator
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.ground_spring import GroundSpring
@@ -156,3 +157,17 @@ def test_a_third_start_is_not_tried_where_two_lead_to_the_same_high_cost(
     fit_candidates(predictor, fit(predictor, ()), Suspects([hidden, other]), progress=silent)
     assert tried.count("stiffness_error") == 2
     assert tried.count("extra_mass") == 4
+
+
+def test_what_the_best_effect_tends_to_is_fitted_from_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    hidden = GroundSpring(Dof(6, "Y"), 2e5)
+    predictor, _ = predicting(draw_measurement(rig(), [hidden]))
+    heavy = AttachedOscillator(Dof(6, "Y"), 50.0, 10.0, 1e-4)
+    starts = [StartingPoint(heavy, 0.03), StartingPoint(replace(hidden, stiffness=1e-3), 0.03)]
+    monkeypatch.setattr(module, "scan", lambda *_: starts)
+    monkeypatch.setattr(module, "coarse_fit", lambda _, __, effect, ___: (effect, 1.0))
+    suspects = Suspects([AttachedOscillator(hidden.at), GroundSpring(hidden.at)])
+    best, *_ = fit_candidates(predictor, fit(predictor, ()), suspects, progress=silent)
+    assert best.effects[-1].kind == hidden.kind
+    error = best.errors[-1]["stiffness"]
+    assert abs(best.effects[-1].parameters["stiffness"] - 2e5) < 4 * error  # four standard errors
