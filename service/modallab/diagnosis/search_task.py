@@ -70,7 +70,7 @@ class SearchTask:
         second = self._start(assumed, pulse)
         nothing_missing = is_noise_only(second.predictor, second.path.fit)
         if nothing_missing and not deviate_far(second.predictor.nuisances, second.path.fit, stated):
-            return second, assumed
+            return self._search_from(second, 1, pulse), assumed
         # A search for one effect that explains nothing ends before half of its progress.
         single_effects = self._first_round(first, second, part(pulse, 0.05, 0.25))
         found = self._search_from(first, 1, pulse, single_effects)

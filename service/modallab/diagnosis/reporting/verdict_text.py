@@ -56,6 +56,11 @@ def verdict_text(diagnosis: Diagnosis) -> str:
 def _reduction(steps: tuple[Step, ...]) -> str:
     first, last = steps[0], steps[-1]
     subject = "the added effect" if len(steps) == 1 else "the added effects"
+    if first.gap_before - 1 < last.held_out_scatter:
+        return (
+            f"Tolerances alone leave no gap either ({gap_text(first.gap_before)}), but only if many of them "
+            f"are used up in the same direction; {subject} is far more probable."
+        )
     return (
         f"With {subject} the gap falls from {gap_text(first.gap_before)} to {gap_text(last.gap_after)}; "
         f"on FRFs that took no part in the fit, from {gap_text(first.held_out_gap_before)} "

@@ -8,6 +8,7 @@ from modallab.core.progress import Progress, part
 from modallab.diagnosis.fitting.fit import Fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import is_noise_only, is_significant, variance_inflation
+from modallab.diagnosis.searching.common_deviation import with_common_deviation
 from modallab.diagnosis.searching.equivalent_fits import without_undetermined_effects
 from modallab.diagnosis.searching.multiple_elements import multiple_elements, verify
 from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, kind_and_place, refine_path
@@ -39,7 +40,7 @@ def search(
         The fits of single effects by `fit_candidates`, if they are known.
     """
     if is_noise_only(predictor, start):
-        return SearchPath(start)
+        return with_common_deviation(predictor, start, suspects)
     progress(0.05, f"gap {start.residual.gap(predictor.observed.fitted):.3g}")
     first = first_round
     if first is None:
