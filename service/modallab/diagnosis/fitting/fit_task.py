@@ -122,12 +122,15 @@ def minimised(task: FitTask, max_chi_square: float) -> tuple[FloatArray, FloatAr
     if float(minimum.vector @ minimum.vector) < FIT.near_noise * len(minimum.vector):
         if minimum.corrections > FIT.max_corrections:
             minimum.renew()
-        minimum.minimise(
-            evaluations=FIT.max_evaluations,
-            tolerance=FIT.tolerance + tolerated,
-            excess_share=0.0 if len(parameters) else FIT.excess_share_without_effects,
-            prediction_error=FIT.prediction_error,
-        )
+        for _ in range(FIT.max_continuations):
+            converged = minimum.minimise(
+                evaluations=FIT.max_evaluations,
+                tolerance=FIT.tolerance + tolerated,
+                excess_share=0.0 if len(parameters) else FIT.excess_share_without_effects,
+                prediction_error=FIT.prediction_error,
+            )
+            if converged:
+                break
     return minimum.position, minimum.jacobian[: len(minimum.vector) - len(task.free)]
 
 

@@ -45,6 +45,11 @@ class FitSettings(Settings):
         doc="evaluations of a fit, and as many again where the residuals are nearly noise",
         tuned=TESTS,
     )
+    max_continuations: int = setting(
+        3,
+        doc="times as many evaluations of a fit near the data, until it converges",
+        tuned="a spring on a student's cantilever: 1,200 squares above its minimum after the first ones",
+    )
     first_steps: int = setting(
         8,
         unit="evaluations",

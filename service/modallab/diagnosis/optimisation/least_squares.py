@@ -53,8 +53,10 @@ class BoundedGaussNewton:
         corrections: int = 1,
         prediction_error: float = 0.0,
         renewals: bool = True,
-    ) -> None:
+    ) -> bool:
         """Take steps until one predicts a gain below `tolerance`, in squared standard deviations.
+
+        Returns whether that was so: false after all evaluations, or where derivatives have to be renewed.
 
         Parameters
         ----------
@@ -77,7 +79,7 @@ class BoundedGaussNewton:
             slow = predicted_gain > max(LEAST_SQUARES.slow_gain * last_gain, tolerance)
             if slow and self.corrections >= corrections:
                 if not renewals:
-                    return
+                    return False
                 self.renew()
                 step, predicted_gain = self._step(trust_radius, weights)
             last_gain = predicted_gain
@@ -85,7 +87,7 @@ class BoundedGaussNewton:
             n_data = len(self.vector)
             least_gain = tolerance * max(1.0, cost / n_data) + excess_share * max(cost - n_data, 0)
             if not predicted_gain > least_gain:
-                return
+                return True
             target = (self.position + step).clip(self._low, self._high)
             vector = self._evaluate(target)
             gain = -np.inf if vector is None else cost - self._cost(vector, weights)
@@ -100,11 +102,12 @@ class BoundedGaussNewton:
             else:
                 trust_radius = longest / LEAST_SQUARES.shrinkage
             if at_minimum:
-                return
+                return True
             if self.corrections and not (successful and gain > LEAST_SQUARES.poor_gain * predicted_gain):
                 if not renewals:
-                    return
+                    return False
                 self.renew()
+        return False
 
     def _evaluate(self, target: FloatArray) -> FloatArray | None:
         """Return the residuals at a position; None where no prediction exists."""
