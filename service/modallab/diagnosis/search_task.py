@@ -111,7 +111,13 @@ class SearchTask:
                 if (path := refitted_path(found.path, second)) is not None:
                     return replace(second, path=path), assumed
         refitted = refitted_round(single_effects, second, alone)
-        return self._search_from(second, self.max_effects, part(pulse, 0.75, 1.0), refitted), assumed
+        further = self._search_from(second, self.max_effects, part(pulse, 0.75, 1.0), refitted)
+        if found.path.fit.chi_square < further.path.fit.chi_square:
+            return (
+                found,
+                None,
+            )  # with more parameters free no search should end worse: it missed these effects
+        return further, assumed
 
     def _start(self, tolerances: Tolerances, pulse: Pulse) -> SearchResult:
         """Return the fit under tolerances without any effect."""

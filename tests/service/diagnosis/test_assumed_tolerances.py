@@ -119,6 +119,22 @@ def test_effects_far_larger_than_the_tolerances_are_searched_once(monkeypatch: p
     assert set(nuisances) == {0}
 
 
+def test_a_second_search_that_ends_worse_than_the_first_does_not_count(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def lost(predictor: Predictor, start: Fit, suspects: Any, **given: Any) -> SearchPath:
+        if len(predictor.nuisances):
+            return SearchPath(start)
+        return search(predictor, start, suspects, **given)
+
+    monkeypatch.setattr(search_task, "search", lost)
+    monkeypatch.setattr(search_task, "refitted_path", lambda *_: None)
+    hidden = ExtraMass(Dof(4, "Y"), 0.2), GainError(Channels((Dof(5, "Y"),)), 1.3)
+    found = diagnosed(*hidden, INEXACT, max_effects=2)
+    assert {step.effect.kind for step in found.steps} == {"extra_mass", "gain_error"}
+    assert not any("assumed" in note for note in found.notes)
+
+
 @pytest.mark.parametrize(("by_tolerances", "hidden"), [(9.0, False), (11.0, True)])
 def test_tolerances_hide_an_effect_that_closes_less_than_ten_times_as_much(
     by_tolerances: float, hidden: bool
