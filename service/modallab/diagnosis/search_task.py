@@ -112,11 +112,9 @@ class SearchTask:
                     return replace(second, path=path), assumed
         refitted = refitted_round(single_effects, second, alone)
         further = self._search_from(second, self.max_effects, part(pulse, 0.75, 1.0), refitted)
-        if found.path.fit.chi_square < further.path.fit.chi_square:
-            return (
-                found,
-                None,
-            )  # with more parameters free no search should end worse: it missed these effects
+        # No search should end worse with more parameters free: the second one missed an effect.
+        if further.unexplained_parts and found.path.fit.chi_square < further.path.fit.chi_square:
+            return found, None
         return further, assumed
 
     def _start(self, tolerances: Tolerances, pulse: Pulse) -> SearchResult:

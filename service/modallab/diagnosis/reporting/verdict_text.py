@@ -3,6 +3,7 @@
 from modallab.diagnosis.reporting.text import effect_name, enumeration, gap_text
 from modallab.diagnosis.reporting.unknown_effect import unknown_name
 from modallab.diagnosis.result import Diagnosis, Step, Verdict
+from modallab.diagnosis.searching.common_deviation import COMMON_EFFECTS
 
 
 def headline(diagnosis: Diagnosis) -> str:
@@ -46,17 +47,21 @@ def verdict_text(diagnosis: Diagnosis) -> str:
         )
     if not diagnosis.steps:
         return f"The gap is {remaining}; every suspect was tried at every possible place, and none closes it."
-    words = [_reduction(diagnosis.steps), f"The remaining gap over all FRFs is {remaining}."]
+    words = [
+        _reduction(diagnosis.steps, tolerated=bool(diagnosis.tolerated)),
+        f"The remaining gap over all FRFs is {remaining}.",
+    ]
     if diagnosis.verdict is Verdict.AMBIGUOUS:
         equivalents = [effect_name(effect) for step in diagnosis.steps for effect in step.rivals_alike]
         words.append(f"This measurement cannot distinguish it from {enumeration(equivalents, 'or')}.")
     return " ".join(words)
 
 
-def _reduction(steps: tuple[Step, ...]) -> str:
+def _reduction(steps: tuple[Step, ...], *, tolerated: bool) -> str:
     first, last = steps[0], steps[-1]
     subject = "the added effect" if len(steps) == 1 else "the added effects"
-    if first.gap_before - 1 < last.held_out_scatter:
+    common = tolerated and len(steps) == 1 and first.effect.kind in COMMON_EFFECTS.values()
+    if common and first.effect.at is None and first.gap_before - 1 < last.held_out_scatter:
         return (
             f"Tolerances alone leave no gap either ({gap_text(first.gap_before)}), but only if many of them "
             f"are used up in the same direction; {subject} is far more probable."
