@@ -190,6 +190,39 @@ class DynamicSystem(AttachedSystem):
         key = ("modal loss", more)
         return self._rebuilt(key, lambda: self._member_table, modal, eigenvalue_ratio=1.0)
 
+    def with_loss_of_altered_modes(self) -> "DynamicSystem":
+        """Return the system whose additional modal loss factors are of its modes with altered members.
+
+        Those of `with_modal_loss` are of modes of the matrices, which no alteration changes. A structure
+        too large for dense solutions keeps them: its modes would be solved for at every alteration.
+        """
+        modal = self.modal
+        if modal is None or not any(modal.more) or not (self.alterations or self.supports):
+            return self
+        if len(self.dofs) >= EIGENSOLUTION.dense_dofs:
+            return self
+        numbers = tuple((number, alteration) for number, (alteration, _) in self.alterations.items())
+        key = ("modal loss of altered modes", modal, numbers, tuple(self.supports.items()))
+        loss = self._cached_attachment(key, lambda: self._loss_of_altered_modes(modal))
+        without = replace(modal, more=())
+        variant = ("without modal loss", without)
+        return self._rebuilt(variant, lambda: self._member_table, without, eigenvalue_ratio=1.0).attach(loss)
+
+    def _loss_of_altered_modes(self, modal: ModalLossFactors) -> Attachment:
+        """Return the additional modal loss factors as an attachment to the modes with altered members."""
+        altered = replace(self, attachments=self._of_members).folded()
+        basis = altered.undamped_modes(np.inf).elastic(len(modal.more))
+        additional = replace(modal, loss_factors=(0.0,))
+        # Of the rotations inside joints the inertia is negligible: they stay without a loss of their own.
+        loss = additional.attachment(altered.mass, basis.eigenvalues.real, basis.shapes.real)
+        return replace(loss, columns=loss.columns[: len(self.dofs)])
+
+    @property
+    def _of_members(self) -> tuple[Attachment, ...]:
+        """Attachments that alter members and supports."""
+        of_members = [self.support_springs, *(attachment for _, attachment in self.alterations.values())]
+        return tuple(a for a in self.attachments if any(a is b for b in of_members))
+
     def sheared(self, amount: float) -> "DynamicSystem":
         """Return the system with added shear flexibility and rotary inertia in every member.
 
@@ -225,7 +258,7 @@ class DynamicSystem(AttachedSystem):
                 eigenvalue_reference=None if eigenvalue_ratio is None else (bare, eigenvalue_ratio),
             )
 
-        of_members = [self.support_springs, *(attachment for _, attachment in self.alterations.values())]
+        of_members = self._of_members
         attachments = tuple(a for a in self.attachments if not any(a is b for b in of_members))
         variant = self.cache.compute(slot, key, make)
         system = replace(variant, attachments=attachments, **_UNCHANGED)

@@ -202,9 +202,6 @@ class Chain:
         return frequencies, widths
 
 
-_Altered = tuple[DynamicSystem, DynamicSystem]  # a structure without an effect and with it
-
-
 def all_effects(setup: RigSetup, added: Sequence[Effect]) -> list[Effect]:
     """Return implied, declared and added effects, in stage order."""
     implied = [effect for cls in EFFECTS.values() for effect in cls.from_setup(setup)]
@@ -212,7 +209,7 @@ def all_effects(setup: RigSetup, added: Sequence[Effect]) -> list[Effect]:
 
     def order(effect: Effect) -> tuple[int, bool, bool]:
         # What acts everywhere comes first: a member's own factor multiplies what holds for all members.
-        # Before it what all runs have in common, which is then worked out once.
+        # Before it what all runs have in common, which is worked out once.
         return effect.stage, not effect.same_in_all_runs, effect.at is not None
 
     return sorted([*implied, *declared, *added], key=order)
@@ -259,12 +256,14 @@ def chain(
     source = Source(EXCITATIONS[setup.analyser.excitation.kind].continuous)
     for effect in effects:
         noise, source = effect.on_noise(noise), effect.on_source(source)
-    active_effects = [(effect, stages) for effect in effects if any(stages := _acts_on_runs(effect))]
-    latest: dict[int, _Altered] = {}
     declared = setup.acquisition_runs if only is None else [setup.acquisition_runs[i] for i in only]
+    for effect in effects:
+        if effect.same_in_all_runs:
+            system = effect.on_system(system, declared[0])
+    system = system.with_loss_of_altered_modes()
+    active_effects = [(effect, stages) for effect in effects if any(stages := _acts_on_runs(effect))]
     runs = tuple(
-        _run(system, acquisition_run, active_effects, latest)
-        for acquisition_run in _true_runs(declared, effects)
+        _run(system, acquisition_run, active_effects) for acquisition_run in _true_runs(declared, effects)
     )
     if local := [force for effect in effects if (force := effect.on_motion()) is not None]:
         runs = (
@@ -292,10 +291,10 @@ def _true_runs(declared: Sequence[AcquisitionRun], effects: Sequence[Effect]) ->
 
 
 def _acts_on_runs(effect: Effect) -> tuple[bool, bool, bool]:
-    """Return whether a kind of effect overrides `on_system`, `on_drive`, `on_channel`."""
+    """Return whether an effect acts on single runs by `on_system`, `on_drive`, `on_channel`."""
     kind = type(effect)
     return (
-        kind.on_system is not Effect.on_system,
+        kind.on_system is not Effect.on_system and not effect.same_in_all_runs,
         kind.on_drive is not Effect.on_drive,
         kind.on_channel is not Effect.on_channel,
     )
@@ -305,25 +304,14 @@ def _run(
     system: DynamicSystem,
     acquisition_run: AcquisitionRun,
     effects: Sequence[tuple[Effect, tuple[bool, bool, bool]]],
-    altered_systems: dict[int, _Altered],
 ) -> Run:
-    """Return one run with all effects.
-
-    Parameters
-    ----------
-    altered_systems
-        Structure before and after each effect in earlier runs, by the effect's number.
-    """
+    """Return one run with all effects on a structure that has those that are the same in all runs."""
     drives = [Drive(dof) for dof in acquisition_run.drives]
     forces = [Channel.ideal(dof, force=True) for dof in acquisition_run.drives]
     responses = [Channel.ideal(dof) for dof in acquisition_run.outputs]
-    for i, (effect, (to_system, to_drive, to_channel)) in enumerate(effects):
-        if to_system and not effect.same_in_all_runs:
+    for effect, (to_system, to_drive, to_channel) in effects:
+        if to_system:
             system = effect.on_system(system, acquisition_run)
-        elif to_system:
-            if i not in altered_systems or altered_systems[i][0] is not system:
-                altered_systems[i] = system, effect.on_system(system, acquisition_run)
-            system = altered_systems[i][1]
         if to_drive:
             drives = [effect.on_drive(drive) for drive in drives]
         if to_channel:

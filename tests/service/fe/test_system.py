@@ -1,5 +1,6 @@
 """A system and what hangs on it: attachments leave the matrices as they were."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -140,6 +141,46 @@ def test_what_modes_lose_besides_is_there_in_matrices_and_receptance() -> None:
     np.testing.assert_allclose(fast, direct_receptance(lossy, freq, selected, selected), rtol=1e-6)
     again = receptance(BEAM.with_modal_loss((0.03, 0.01)).add_mass(1, 0.3), freq, selected, selected)
     np.testing.assert_allclose(fast, again, rtol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "alter",
+    [
+        lambda system: system.change_member(4, bending=-0.5, mass=0.3),
+        lambda system: system.change_member(4, bending=1.0).change_member(9, bending=-0.3),
+    ],
+)
+def test_modes_with_altered_members_may_lose_more_or_less_than_the_law_has_it(
+    alter: Callable[[DynamicSystem], DynamicSystem],
+) -> None:
+    more = (0.004, -0.002, 0.0, 0.001)
+    bare, lossy = alter(BEAM), alter(BEAM.with_modal_loss(more)).with_loss_of_altered_modes()
+    before, after = (system.modes().elastic(6).loss_factors for system in (bare, lossy))
+    # exact where shapes stay real; members that lose in proportion to stiffness alone leave them so
+    np.testing.assert_allclose(after - before, [*more, 0, 0], atol=1e-6)
+    stale = alter(BEAM.with_modal_loss(more)).modes().elastic(6).loss_factors
+    assert np.abs(stale - before - [*more, 0, 0]).max() > 5e-5  # of modes of the beam as it was
+
+
+def test_a_joint_and_an_elastic_support_leave_each_mode_the_loss_stated_for_it() -> None:
+    frame = assemble(STRUCTURES["cantilever"]())
+    more = (0.004, -0.002, 0.001)
+    alterations: list[Callable[[DynamicSystem], DynamicSystem]] = [
+        lambda system: system.add_joint(3, 1e-4),
+        lambda system: system.soften_support(frame.loaded_supports[0], 1e-6),
+    ]
+    for alter in alterations:
+        bare, lossy = alter(frame), alter(frame.with_modal_loss(more)).with_loss_of_altered_modes()
+        before, after = (system.modes().elastic(3).loss_factors for system in (bare, lossy))
+        # the rotation inside a joint has next to no inertia of its own, but not none
+        np.testing.assert_allclose(after - before, more, atol=1e-5)
+
+
+def test_masses_and_springs_leave_what_modes_lose_to_the_modes_without_them() -> None:
+    lossy = BEAM.with_modal_loss((0.02,)).add_mass(1, 0.3)
+    assert lossy.with_loss_of_altered_modes() is lossy
+    altered = BEAM.change_member(4, bending=-0.5)
+    assert altered.with_loss_of_altered_modes() is altered
 
 
 def test_resonances_are_as_wide_as_what_their_modes_lose() -> None:

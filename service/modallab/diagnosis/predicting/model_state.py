@@ -51,4 +51,4 @@ class DeviatingModel:
         system = self.deviating_system
         for effect in effects:
             system = effect.on_system(system, run)
-        return replace(self, deviating_system=system.folded())
+        return replace(self, deviating_system=system.with_loss_of_altered_modes().folded())
