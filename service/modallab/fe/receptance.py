@@ -102,11 +102,11 @@ def attached_variants(
     """
     common, specific = split_common(systems)
     loaded = condense_if_cheaper(replace(systems[0], attachments=common), len(omega))
-    response = loaded.base_modes(float(omega.max()) / (2 * np.pi)).at(omega)
+    response = loaded.base_modes(float(omega.real.max()) / (2 * np.pi)).at(omega)
     stacks = [stacked_columns(len(inputs_of[0]), attachments) for attachments in specific]
     widths = {stack.shape[1] for stack in stacks}
     if len(widths) > 1:  # variants of different sizes cannot be stacked
-        response = systems[0].base_modes(float(omega.max()) / (2 * np.pi)).at(omega)
+        response = systems[0].base_modes(float(omega.real.max()) / (2 * np.pi)).at(omega)
         variants = zip(systems, outputs_of, inputs_of, strict=True)
         return np.array([attached(response, *variant) for variant in variants])
     columns: dict[bytes, int] = {}

@@ -33,7 +33,7 @@ class ReceptanceMap:
     ) -> None:
         common, specific = split_common(systems)
         base = condense_if_cheaper(replace(systems[0], attachments=common))
-        self._response = base.base_modes(float(omega.max()) / (2 * np.pi)).at(omega)
+        self._response = base.base_modes(float(omega.real.max()) / (2 * np.pi)).at(omega)
         variants = [replace(base, attachments=(*base.attachments, *besides)) for besides in specific]
         used: dict[bytes, int] = {}
 

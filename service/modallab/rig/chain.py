@@ -108,7 +108,7 @@ class Chain:
 
     def _responses(self, freq: FloatArray) -> ChannelResponse:
         """Return the responses to sources and to residual forces, concatenated."""
-        top = float(freq.max())
+        top = float(freq.real.max())
         part = self._responses_of_block(freq[: CHAIN.frequency_block], top)
         if len(freq) <= CHAIN.frequency_block:
             return part

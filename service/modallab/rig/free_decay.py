@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import scipy.fft
@@ -135,19 +135,41 @@ def decayed_lines(chain: Chain, lines: IntArray | slice) -> ComplexArray | None:
     """Return the lines (n_run, n_lines, n_ch) of one blow at some lines, as if decayed.
 
     Square roots of one-sided densities. What rings on beyond the record is counted as if it were within:
-    for screening, where the error cancels in the ratio of two predictions.
+    for screening, where the error cancels in the ratio of two predictions. An exponential window is more
+    decay of all that is recorded: responses at omega - i s, of which those of structure and channels are
+    analytic functions.
 
-    None where a record is no single blow, or is shortened by its window.
+    None where a record is no single blow, or a response is a table by frequency.
     """
     analyser, transient = chain.setup.analyser, transient_of(chain)
     single = EXCITATIONS[analyser.excitation.kind].deterministic_transient
     assert transient is not None
-    if not single or transient.misaligned(analyser.excitation) or analyser.line_window.end < 1:
+    if not single or transient.misaligned(analyser.excitation):
         return None
-    freq = analyser.freq[lines]
-    density = 2 / (sample_rate_of(analyser) * analyser.line_window.power)
-    spectrum = np.sqrt(density) * _source_spectrum(chain, freq)
+    window, freq = analyser.line_window, analyser.freq[lines]
+    spectrum = np.sqrt(2 / (sample_rate_of(analyser) * window.power)) * _source_spectrum(chain, freq)
+    if window.end < 1:
+        if any(effect.tabulated for effect in chain.effects):
+            return None
+        decay = np.log(window.end) * analyser.spacing
+        freq = cast(FloatArray, freq + 1j * decay / (2 * np.pi))
+        spectrum = spectrum * window.end**analyser.excitation.pre_trigger
     return np.asarray(spectrum[:, None] * chain.respond(freq).channels[..., 0])
+
+
+def has_decayed(chain: Chain, remaining: float) -> bool:
+    """Return whether blows on a linear structure leave no more than a share of their response at the end.
+
+    Parameters
+    ----------
+    remaining
+        The share, window included.
+    """
+    if transient_of(chain) is None or chain.runs[0].local_forces:
+        return False
+    analyser = chain.setup.analyser
+    _, widths = chain.poles()
+    return bool(analyser.line_window.end * np.exp(-2 * np.pi * widths.min() / analyser.spacing) < remaining)
 
 
 def transient_spectra(chain: Chain) -> ComplexArray:

@@ -53,34 +53,52 @@ class FitTask:
 
     def derivatives(self, u: FloatArray, _vector: FloatArray) -> FloatArray:
         """Return the derivatives (n_data, n) of residuals at a position that was evaluated."""
-        effects, position = self.at(u)
-        observed = self.predictor.observed
-        predictor, acting = self.predictor.with_nuisances_at(position), [*self.fixed, *effects]
-        predict = predictor.linearisation_at(acting)
-
-        def predict_fitted(perturbed: Sequence[Effect]) -> Predicted:
-            return predict([*self.fixed, *perturbed])
-
-        def vector(predicted: Predicted) -> FloatArray:
-            return residual(observed, predicted).vector(observed.fitted)
-
-        base = predict_fitted(effects)  # as the others: what approximations leave cancels
-        by_parameters = self.parameters.derivatives(
-            u[: len(self.parameters)], lambda perturbed: vector(predict_fitted(perturbed)), vector(base)
-        )
         known, self._known = self._known, None  # they serve once: where they mislead they are renewed
-        if known is not None:
-            return with_prior_rows(by_parameters, known.astype(float), self._prior)
-        deviating = deviating_predictions(predictor, acting, predict)
-        by_nuisances = self.predictor.nuisances.derivatives(
-            lambda deviations: deviating([*deviations, *acting]),
-            vector,
-            base,
-            observed,
-            position,
-            self.free,
+        near = _Linearisation(self, u)
+        nuisances = near.by_nuisances() if known is None else known.astype(float)
+        return with_prior_rows(near.by_parameters(), nuisances, self._prior)
+
+    def derivatives_by_parameters(self, u: FloatArray, _vector: FloatArray) -> FloatArray:
+        """Return the derivatives (n_data, k) by the parameters of the effects alone."""
+        by_parameters = _Linearisation(self, u).by_parameters()
+        return np.vstack([by_parameters, np.zeros((len(self._prior), by_parameters.shape[1]))])
+
+
+class _Linearisation:
+    """Derivatives of the residuals of a fit at a position."""
+
+    def __init__(self, task: FitTask, u: FloatArray) -> None:
+        self._task, self._u = task, u
+        effects, self._position = task.at(u)
+        self._predictor = task.predictor.with_nuisances_at(self._position)
+        self._acting = [*task.fixed, *effects]
+        self._predict = self._predictor.linearisation_at(self._acting)
+        self._base = self._predict(self._acting)  # as the others: what approximations leave cancels
+
+    def _vector(self, predicted: Predicted) -> FloatArray:
+        observed = self._task.predictor.observed
+        return residual(observed, predicted).vector(observed.fitted)
+
+    def by_parameters(self) -> FloatArray:
+        """Return the derivatives (n_data, k) by the parameters of the effects."""
+        parameters = self._task.parameters
+
+        def vector(perturbed: Sequence[Effect]) -> FloatArray:
+            return self._vector(self._predict([*self._task.fixed, *perturbed]))
+
+        return parameters.derivatives(self._u[: len(parameters)], vector, self._vector(self._base))
+
+    def by_nuisances(self) -> FloatArray:
+        """Return the derivatives (n_data, m) by the free nuisance parameters."""
+        deviating = deviating_predictions(self._predictor, self._acting, self._predict)
+        return self._predictor.nuisances.derivatives(
+            lambda deviations: deviating([*deviations, *self._acting]),
+            self._vector,
+            self._base,
+            self._task.predictor.observed,
+            self._position,
+            self._task.free,
         )
-        return with_prior_rows(by_parameters, by_nuisances, self._prior)
 
 
 def minimised(task: FitTask, max_chi_square: float) -> tuple[FloatArray, FloatArray]:
@@ -98,7 +116,14 @@ def minimised(task: FitTask, max_chi_square: float) -> tuple[FloatArray, FloatAr
         return start, np.zeros((1, 0))
     low = np.concatenate([parameters.low, -limits])
     high = np.concatenate([parameters.high, limits])
-    minimum = BoundedGaussNewton(task.vector, task.derivatives, start, (low, high))
+    minimum = BoundedGaussNewton(
+        task.vector,
+        task.derivatives,
+        start,
+        (low, high),
+        differentiate_first=task.derivatives_by_parameters if len(parameters) else None,
+        partial_renewals=len(task.free) // FIT.parameters_per_renewal,
+    )
     tolerated = len(task.free) * FIT.nuisance_tolerance
     if np.isfinite(max_chi_square):
         attempt = copy(minimum)

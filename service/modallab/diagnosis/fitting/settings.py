@@ -62,6 +62,12 @@ class FitSettings(Settings):
         doc="nuisance parameters for each correction of derivatives, far from the data, before their renewal",
         derived="corrections cost an evaluation each, a renewal one for each parameter",
     )
+    parameters_per_renewal: int = setting(
+        8,
+        unit="parameters",
+        doc="nuisance parameters for each renewal of the derivatives by effects alone, between two of all",
+        derived="such a renewal costs two or three evaluations, one of all one for each parameter",
+    )
     prediction_error: float = setting(
         0.5,
         unit="squared standard deviations",

@@ -21,7 +21,15 @@ class BoundedGaussNewton:
     Gauss-Newton steps in a box that is the trust region and keeps the bounds, so that a parameter can end
     on one: Stark and Parker, Bounded-variable least squares, Computational Statistics 10 (1995). Derivatives
     cost an evaluation per parameter; between two of them each step corrects the Jacobian by the residuals it
-    found: Broyden, Mathematics of Computation 19 (1965), 577, with step lengths measured in residuals.
+    found: Broyden, Mathematics of Computation 19 (1965), 577, with step lengths measured in residuals. Where
+    the first few parameters can be differentiated alone, most renewals are of their columns.
+
+    Parameters
+    ----------
+    differentiate_first
+        Derivatives (n_data, k) by the first k parameters alone; None: always by all.
+    partial_renewals
+        Renewals of the first columns between two renewals of all.
     """
 
     def __init__(
@@ -30,8 +38,12 @@ class BoundedGaussNewton:
         differentiate: JacobianFunction,
         start: FloatArray,
         bounds: tuple[FloatArray, FloatArray],
+        *,
+        differentiate_first: JacobianFunction | None = None,
+        partial_renewals: int = 0,
     ) -> None:
         self._function, self._differentiate = function, differentiate
+        self._differentiate_first, self._partial_renewals = differentiate_first, partial_renewals
         self._low, self._high = bounds
         self.position = start.clip(*bounds)
         self.vector = function(self.position)
@@ -41,7 +53,18 @@ class BoundedGaussNewton:
         """Compute the derivatives at the position."""
         self.jacobian = self._differentiate(self.position, self.vector)
         self._metric = self.jacobian.T @ self.jacobian
-        self.corrections = 0
+        self.corrections = self._recent_corrections = self._n_partial = 0
+
+    def _renew_some(self) -> None:
+        """Compute the first columns of the derivatives, or all where they were renewed often enough."""
+        if self._differentiate_first is None or self._n_partial >= self._partial_renewals:
+            self.renew()
+            return
+        columns = self._differentiate_first(self.position, self.vector)
+        self.jacobian = np.hstack([columns, self.jacobian[:, columns.shape[1] :]])
+        self._metric = self.jacobian.T @ self.jacobian
+        self._recent_corrections = 0
+        self._n_partial += 1
 
     def minimise(
         self,
@@ -77,10 +100,10 @@ class BoundedGaussNewton:
         for _ in range(evaluations):
             step, predicted_gain = self._step(trust_radius, weights)
             slow = predicted_gain > max(LEAST_SQUARES.slow_gain * last_gain, tolerance)
-            if slow and self.corrections >= corrections:
+            if slow and self._recent_corrections >= corrections:
                 if not renewals:
                     return False
-                self.renew()
+                self._renew_some()
                 step, predicted_gain = self._step(trust_radius, weights)
             last_gain = predicted_gain
             cost = self._cost(self.vector, weights)
@@ -106,7 +129,7 @@ class BoundedGaussNewton:
             if self.corrections and not (successful and gain > LEAST_SQUARES.poor_gain * predicted_gain):
                 if not renewals:
                     return False
-                self.renew()
+                self._renew_some() if self._recent_corrections else self.renew()
         return False
 
     def _evaluate(self, target: FloatArray) -> FloatArray | None:
@@ -125,6 +148,7 @@ class BoundedGaussNewton:
         self.position = target
         self.vector = vector
         self.corrections += 1
+        self._recent_corrections += 1
 
     def _step(self, trust_radius: float, weights: FloatArray | None) -> tuple[FloatArray, float]:
         """Return the best step within bounds and trust region, and its predicted gain."""

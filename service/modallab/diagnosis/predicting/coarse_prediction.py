@@ -134,14 +134,14 @@ class _CorrectedSpectra:
         """Return the expected spectra at every `step`-th line with all these effects."""
         kept = self.base.keeps_linearisation(effects)
         coarse = self.spectra.predict(effects, self.base)
-        return self._corrected(coarse, self._unmodified if kept else self._with_distortion)
+        return self.exact.times_ratio(coarse, self._unmodified if kept else self._with_distortion)
 
     def predict_each(self, additions: Sequence[Effect]) -> list[Predicted]:
         """Return the expected spectra at every `step`-th line with each of some additions."""
         if is_nonlinear(additions):
             return [self.predict([*self.base.effects, addition]) for addition in additions]
         each = self.spectra.predict_each(additions, self.base)
-        return [self._corrected(coarse, self._unmodified) for coarse in each]
+        return [self.exact.times_ratio(coarse, self._unmodified) for coarse in each]
 
     @cached_property
     def _unmodified(self) -> Predicted:
@@ -152,14 +152,6 @@ class _CorrectedSpectra:
     def _with_distortion(self) -> Predicted:
         """Coarse prediction without an addition, distortion included."""
         return self._unmodified if self.base.linearised is None else self.spectra.predict(self.base.effects)
-
-    def _corrected(self, coarse: Predicted, unmodified: Predicted) -> Predicted:
-        return Predicted(
-            coarse.h * (self.exact.h / unmodified.h),
-            coarse.coherence,
-            coarse.force * (self.exact.force / unmodified.force),
-            coarse.incoherent * (self.exact.incoherent / unmodified.incoherent),
-        )
 
 
 def coarse_prediction(predictor: "SingleTestPredictor", base: Sequence[Effect]) -> CoarsePrediction:

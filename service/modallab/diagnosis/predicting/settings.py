@@ -26,6 +26,11 @@ class PredictionSettings(Settings):
         8, unit="lines", doc="lines of a block, about a resonance", derived="a resonance is a few lines wide"
     )
     coarse_lines: int = setting(130, unit="lines", doc="lines of a coarse prediction, at least", tuned=TESTS)
+    remaining_decay: float = setting(
+        0.01,
+        doc="share of a response left at the end of a blow's record, up to which derivatives leave it out",
+        derived="derivatives of logarithms are 10 % off, at antiresonances: a fit takes a step more",
+    )
     nonlinear_cost: int = setting(
         10,
         unit="predictions",

@@ -12,6 +12,7 @@ from modallab.core.arrays import FloatArray, IntArray
 from modallab.diagnosis.optimisation.nuisances import Nuisances
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction, coarse_prediction
 from modallab.diagnosis.predicting.coarse_spectra import CoarseSpectra
+from modallab.diagnosis.predicting.decayed_prediction import decayed_predictions
 from modallab.diagnosis.predicting.model_state import DeviatingModel
 from modallab.diagnosis.predicting.prediction_budget import PredictionBudget, no_heartbeat
 from modallab.diagnosis.predicting.settings import PREDICTION
@@ -35,6 +36,7 @@ from modallab.rig.effect import Effect
 from modallab.rig.effects_in_other_test import effects_in_other_test
 from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.expected import derivative_kernel, expected_spectra
+from modallab.rig.free_decay import has_decayed
 from modallab.rig.leakage_kernel import LeakageKernel
 from modallab.rig.periodic_variance import VarianceFactors, periodic_factors
 from modallab.rig.record_correlation import correlated_excess_variance
@@ -297,7 +299,9 @@ class SingleTestPredictor:
         self, effects: Sequence[Effect], *, same_distortion: bool = False
     ) -> Callable[[Sequence[Effect]], Predicted]:
         """Return predictions near some effects for derivatives, see `Predictor`."""
-        kernel, motion = derivative_kernel(base := self.chain(effects)), base.local_rms
+        if has_decayed(base := self.chain(effects), PREDICTION.remaining_decay):
+            return decayed_predictions(self, effects, self._expected(base))
+        kernel, motion = derivative_kernel(base), base.local_rms
         distortion = linearised = None
         if same_distortion and kernel is not None and base.runs[0].local_forces:
             linearised = base.runs

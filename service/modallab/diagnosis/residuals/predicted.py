@@ -147,3 +147,12 @@ class Predicted:
             None if ratios is None else lambda: ratios().at(lines),
             self.lines_correlated,
         )
+
+    def times_ratio(self, near: "Predicted", reference: "Predicted") -> "Predicted":
+        """Return the spectra times the ratio of approximate ones nearby to approximate ones of these."""
+        return Predicted(
+            near.h * (self.h / reference.h),
+            near.coherence,
+            near.force * (self.force / reference.force),
+            near.incoherent * (self.incoherent / reference.incoherent),
+        )

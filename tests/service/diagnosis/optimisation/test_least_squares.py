@@ -1,3 +1,5 @@
+from collections import Counter
+
 import numpy as np
 import pytest
 from scipy.optimize import lsq_linear
@@ -181,6 +183,38 @@ def test_costly_derivatives_are_corrected_before_they_are_renewed() -> None:
         np.testing.assert_allclose(descent.position, true, atol=1e-4)  # a hundredth of a standard error, 1e-3
         renewals.append(n_renewed)
     assert renewals[1] < renewals[0]
+
+
+def test_most_renewals_are_of_the_first_derivatives_alone() -> None:
+    true, start = np.array([0.1, 0.2, 0.3]), np.array([-0.8, 0.2, 0.3])
+    n_renewed = {}
+    for partial_renewals in (0, 2):
+        problem = Counted(true)
+        asked = Counter[int]()
+
+        def differentiate(
+            n: int, problem: Counted = problem, asked: Counter[int] = asked
+        ) -> JacobianFunction:
+            def columns(u: FloatArray, here: FloatArray) -> FloatArray:
+                asked[n] += 1
+                return problem.derivatives(u, here)[:, :n]
+
+            return columns
+
+        descent = BoundedGaussNewton(
+            problem.residual,
+            differentiate(3),
+            start,
+            FREE,
+            differentiate_first=differentiate(1),
+            partial_renewals=partial_renewals,
+        )
+        assert descent.minimise(evaluations=30, tolerance=1e-4)
+        np.testing.assert_allclose(descent.position, true, atol=1e-4)  # a hundredth of a standard error, 1e-3
+        n_renewed[partial_renewals] = asked
+    assert n_renewed[0][1] == 0
+    assert n_renewed[2][1] > 0
+    assert n_renewed[2][3] < n_renewed[0][3]
 
 
 def test_many_steps_in_a_box_are_nearly_the_best_ones() -> None:

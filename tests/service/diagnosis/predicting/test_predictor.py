@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -11,7 +13,8 @@ from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.stiffness_error import StiffnessError
 from modallab.fe.beam import beam
 from modallab.fe.structure import Material, Section
-from modallab.rig.analyser import Analyser
+from modallab.rig.analyser import Analyser, ExcitationSetting
+from modallab.rig.hardware import Exciter
 from tests.diagnosing import exact, model, predicting, rig
 
 STIFFER = StiffnessError(at=Members((3,)), factor=1.05)
@@ -40,6 +43,30 @@ def test_differences_on_one_thin_grid_are_those_of_exact_predictions() -> None:
     lines = observed.usable
     # Five points of a panel: 1e-3 of a spectrum at the worst line, and of its slope.
     assert np.linalg.norm((thin - whole)[lines]) < 2e-3 * np.linalg.norm(whole[lines])
+
+
+@pytest.mark.parametrize("end", [1e-3, 0.01])
+def test_differences_of_windowed_blows_leave_out_what_rings_on(end: float) -> None:
+    struck = replace(
+        rig(),
+        exciter=Exciter("hammer"),
+        analyser=Analyser(
+            frequency_max=400.0,
+            n_lines=161,
+            window="exponential",
+            window_end=end,
+            excitation=ExcitationSetting("impact"),
+        ),
+    )
+    predictor, observed = predicting(exact(struck))
+    near, step = predictor.linearisation_at([STIFFER]), 1e-4
+    stiffer = STIFFER.with_parameters({"factor": STIFFER.factor + step})
+    decayed = np.log(near([stiffer]).h / near([STIFFER]).h) / step
+    whole = np.log(predictor.predict([stiffer]).h / predictor.predict([STIFFER]).h) / step
+    lines = observed.usable
+    np.testing.assert_allclose(near([STIFFER]).h, predictor.predict([STIFFER]).h, rtol=1e-12)  # one division
+    # what rings on is the window's height at the end, most of it at antiresonances, where FRFs are small
+    assert np.linalg.norm((decayed - whole)[lines]) < 20 * end * np.linalg.norm(whole[lines])
 
 
 def test_nearby_models_have_nearly_the_same_distortion() -> None:
