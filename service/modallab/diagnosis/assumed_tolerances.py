@@ -68,6 +68,16 @@ def refitted_path(path: SearchPath, second: SearchResult) -> SearchPath | None:
     return refine_path(second.predictor, SearchPath(second.path.start, steps))
 
 
+def explains_more(under_stated: Fit, under_assumed: Fit) -> bool:
+    """Return whether a fit explains more than one with more tolerances free, which has missed an effect.
+
+    With more effects it has to leave far less: they may imitate what the assumed tolerances allow.
+    """
+    excess, other_excess = (found.chi_square - found.n_data for found in (under_stated, under_assumed))
+    imitating = len(under_stated.effects) > len(under_assumed.effects)
+    return excess < (DIAGNOSIS.imitation_excess if imitating else 1.0) * other_excess
+
+
 def _may_hide_effect(under_stated: Fit, under_assumed: Fit, without_effect: Fit) -> bool:
     """Return whether assumed tolerances may hide which effect is missing: they close as much of the gap.
 

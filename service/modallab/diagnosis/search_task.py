@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.progress import Progress, Pulse, part
-from modallab.diagnosis.assumed_tolerances import deviate_far, refitted_path, refitted_round
+from modallab.diagnosis.assumed_tolerances import deviate_far, explains_more, refitted_path, refitted_round
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.fitting.visible_nuisances import with_visible_nuisances
@@ -112,8 +112,7 @@ class SearchTask:
                     return replace(second, path=path), assumed
         refitted = refitted_round(single_effects, second, alone)
         further = self._search_from(second, self.max_effects, part(pulse, 0.75, 1.0), refitted)
-        # No search should end worse with more parameters free: the second one missed an effect.
-        if further.unexplained_parts and found.path.fit.chi_square < further.path.fit.chi_square:
+        if further.unexplained_parts and explains_more(found.path.fit, further.path.fit):
             return found, None
         return further, assumed
 

@@ -64,7 +64,7 @@ class DiagnosisSettings(Settings):
     )
     imitation_excess: float = setting(
         0.5,
-        doc="excess of the gap that an unknown effect leaves, over that of effects found, if they imitate it",
+        doc="excess that an unknown effect or tolerances leave, over that of effects which imitate them",
         derived="far less: half",
     )
 

@@ -158,3 +158,17 @@ def test_a_simulated_test_or_one_without_tolerances_has_none(preset: TolerancePr
     found = diagnosed(INEXACT, uploaded=preset is not None, preset=preset)
     assert found.verdict is not Verdict.NOTHING_MISSING
     assert not found.tolerated
+
+
+def test_more_effects_have_to_leave_far_less_than_assumed_tolerances_do() -> None:
+    def fitted(n_effects: int, chi_square: float) -> Fit:
+        effects = tuple(ExtraMass(Dof(n, "Y"), 0.02) for n in range(1, n_effects + 1))
+        return Mock(spec=Fit, effects=effects, chi_square=chi_square, n_data=1000)
+
+    # A crack under assumed tolerances left an excess of 1,050 a thousand; two effects more, which imitated
+    # the tolerances, left 1,000 without them.
+    assert not assumed_tolerances.explains_more(fitted(3, 2000.0), fitted(1, 2050.0))
+    assert assumed_tolerances.explains_more(fitted(3, 1400.0), fitted(1, 2050.0))
+    # As many effects that leave less: the second search has missed one of them.
+    assert assumed_tolerances.explains_more(fitted(2, 2000.0), fitted(3, 2050.0))
+    assert not assumed_tolerances.explains_more(fitted(2, 2050.0), fitted(2, 2000.0))
