@@ -106,7 +106,7 @@ class MemberTable:
             (more_mass,), (more_bending,) = self._sheared(self.shear.of(e), alteration.shear)
             mass, bending = mass + more_mass, bending + more_bending
         stiffness = alteration.axial * self.axial[e] + alteration.bending * bending
-        return with_joints(alteration.mass * mass, stiffness, alteration.joints)
+        return with_joints(alteration.mass * mass, stiffness, alteration.joints, alteration.consistent_mass)
 
     def _damped(self, e: int, mass: FloatArray, stiffness: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the hysteretic and the viscous damping of a part of a member."""

@@ -50,10 +50,15 @@ class DynamicSystem(AttachedSystem):
         """
         return self.alter(number, Alteration(1 + mass, 1 + axial, 1 + bending))
 
-    def add_joint(self, node: int, flexibility: float) -> "DynamicSystem":
+    def add_joint(self, node: int, flexibility: float, consistent_mass: float = 1.0) -> "DynamicSystem":
         """Return the system with a rotational spring, rad/(N m), between two sides of a node.
 
         On one side is the first member that ends at the node, on the other side all others.
+
+        Parameters
+        ----------
+        consistent_mass
+            Share of the kink that the member's mass matrix has; 0 leaves it unchanged.
 
         Raises
         ------
@@ -62,7 +67,7 @@ class DynamicSystem(AttachedSystem):
         """
         number, end = self._member_table.end_at(node)
         joints = (0.0, flexibility) if end else (flexibility, 0.0)
-        return self.alter(number, Alteration(joints=joints))
+        return self.alter(number, Alteration(joints=joints, consistent_mass=consistent_mass))
 
     def alter(self, number: int, alteration: Alteration) -> "DynamicSystem":
         """Return the system with a member altered in addition to earlier alterations of it.

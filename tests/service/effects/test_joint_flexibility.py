@@ -12,6 +12,7 @@ from modallab.effects.joint_flexibility import JointFlexibility
 from modallab.fe.assembly import assemble
 from modallab.fe.beam import beam
 from modallab.fe.structure import Support
+from modallab.fe.system import DynamicSystem
 from modallab.rig.setup import AcquisitionRun
 from tests.rigs import BAR, STEEL, beam_system, dofs, rig, steel_beam
 
@@ -84,6 +85,44 @@ def test_a_mode_without_a_bending_moment_there_stays() -> None:
 def test_a_very_loose_joint_is_a_hinge() -> None:
     # two pinned halves: in the first mode they turn about their pins like rigid bars, at no frequency
     assert cracked(16, 1e6)[0] < 0.01
+
+
+def test_the_mass_matrix_may_stay_that_of_the_member_without_a_crack() -> None:
+    flexibility = LENGTH / BEND
+
+    def system(share: float) -> DynamicSystem:
+        return JointFlexibility(Dof(6, "RZ"), flexibility, share).on_system(SYSTEM, SHOT).folded()
+
+    bare, cracked_system = SYSTEM.mass.toarray(), system(0.0)
+    np.testing.assert_allclose(cracked_system.mass.toarray(), bare, atol=1e-12 * np.abs(bare).max())
+    # Static loads know no mass: both models of the crack bend alike.
+    whole = system(1.0)
+    load = np.zeros(whole.stiffness.shape[0])
+    load[SYSTEM.index(Dof(15, "Y"))] = 1.0
+    n = len(SYSTEM.dofs)
+    bent = np.linalg.lstsq(whole.stiffness.toarray(), load, rcond=None)[0][:n]
+    np.testing.assert_allclose(
+        np.linalg.lstsq(cracked_system.stiffness.toarray(), load[:n], rcond=None)[0],
+        bent,
+        atol=1e-6 * abs(bent).max(),
+    )
+
+
+def test_both_mass_matrices_are_those_of_a_crack_in_a_fine_mesh() -> None:
+    flexibility = 0.3 * LENGTH / BEND
+    unchanged = JointFlexibility(Dof(16, "RZ"), flexibility, 0.0).on_system(SYSTEM, SHOT)
+    frequencies = unchanged.modes().elastic(3).frequencies
+    # the kink within the cracked element, a thirtieth of the beam, moves some of its mass
+    np.testing.assert_allclose(frequencies, exactly(LENGTH / 2, flexibility), rtol=2e-2)
+
+
+def test_a_diagnosis_tries_a_member_with_its_mass_matrix_unchanged_as_well() -> None:
+    crack = JointFlexibility(Dof(6, "RZ"), 1e-4)
+    other = crack.with_optional_parameters()
+    assert other == JointFlexibility(Dof(6, "RZ"), 1e-4, consistent_mass=0.0)
+    assert [name for name, *_ in other.fitted_specs()] == ["flexibility"]
+    assert other.added_to(PINNED).effects == (other.spec,)  # a spring of the model has the kinked shape
+    assert len(crack.added_to(PINNED).joints) == 1
 
 
 @pytest.mark.parametrize("at", [Dof(1, "RZ"), Dof(21, "RZ"), Dof(5, "Y")])

@@ -11,7 +11,13 @@ from modallab.diagnosis.searching.acceptance import is_noise_only, is_significan
 from modallab.diagnosis.searching.common_deviation import with_common_deviation
 from modallab.diagnosis.searching.equivalent_fits import without_undetermined_effects
 from modallab.diagnosis.searching.multiple_elements import multiple_elements, verify
-from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, kind_and_place, refine_path
+from modallab.diagnosis.searching.search_path import (
+    AcceptedEffect,
+    SearchPath,
+    kind_and_place,
+    refine_path,
+    with_optional_parameters_of_all,
+)
 from modallab.diagnosis.searching.search_round import Suspects, fit_candidates
 from modallab.diagnosis.searching.settings import ACCEPTANCE, ROUND, SEARCH
 from modallab.rig.effect import is_nonlinear
@@ -133,6 +139,8 @@ def _extended(
             return replace(path, exhausted=True)
         step = AcceptedEffect(kind_and_place(best[0].effects[-1]), path.fit, *best)
         path = SearchPath(path.start, (*path.steps, step))
+        if not is_noise_only(predictor, path.fit):
+            path = with_optional_parameters_of_all(predictor, path)
     return path
 
 

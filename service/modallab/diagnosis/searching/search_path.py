@@ -55,6 +55,21 @@ def refine_path(predictor: Predictor, path: SearchPath) -> SearchPath:
     return replace(path, steps=(*path.steps[:-1], last))
 
 
+def with_optional_parameters_of_all(predictor: Predictor, path: SearchPath) -> SearchPath:
+    """Return the path with the optional parameters of earlier effects too, if they are worth it by BIC.
+
+    While another effect was missing they may not have been.
+    """
+    best = path.fit
+    predictor = predictor.with_nuisances_at(best.nuisance_position)
+    for i in range(len(best.effects) - 1):
+        effects = list(best.effects)
+        effects[i] = effects[i].with_optional_parameters()
+        if effects[i] != best.effects[i]:
+            best = min(best, fit(predictor, effects, near=path.start), key=lambda found: found.bic)
+    return replace(path, steps=(*path.steps[:-1], replace(path.steps[-1], fit=best)))
+
+
 def _pruned(predictor: Predictor, path: SearchPath) -> SearchPath:
     """Return the path without effects that later ones made superfluous: backward elimination."""
     if len(path.steps) < 2:
