@@ -142,7 +142,7 @@ def minimised(task: FitTask, max_chi_square: float) -> tuple[FloatArray, FloatAr
         tolerance=FIT.coarse_tolerance + tolerated,
         excess_share=FIT.excess_share,
         # Where an effect is fitted too, steps with corrected derivatives may end before they reach the data.
-        corrections=1 if len(parameters) else max(1, len(task.free) // FIT.parameters_per_correction),
+        corrections=1 if len(parameters) else _corrections(task),
     )
     if float(minimum.vector @ minimum.vector) < FIT.near_noise * len(minimum.vector):
         if minimum.corrections > FIT.max_corrections:
@@ -175,4 +175,10 @@ def _approach(minimum: BoundedGaussNewton, task: FitTask) -> None:
             tolerance=FIT.coarse_tolerance + len(task.free) * FIT.nuisance_tolerance,
             excess_share=FIT.excess_share,
             weights=np.concatenate([weights, np.ones(len(task.free))]),
+            corrections=_corrections(task),
         )
+
+
+def _corrections(task: FitTask) -> int:
+    """Return the corrections of derivatives that cost as much as a part of their renewal."""
+    return max(1, len(task.free) // FIT.parameters_per_correction)
