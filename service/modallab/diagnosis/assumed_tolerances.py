@@ -75,7 +75,7 @@ def explains_more(under_stated: Fit, under_assumed: Fit) -> bool:
     """
     excess, other_excess = (found.chi_square - found.n_data for found in (under_stated, under_assumed))
     imitating = len(under_stated.effects) > len(under_assumed.effects)
-    return excess < (DIAGNOSIS.imitation_excess if imitating else 1.0) * other_excess
+    return excess < (DIAGNOSIS.far_less if imitating else 1.0) * other_excess
 
 
 def _may_hide_effect(under_stated: Fit, under_assumed: Fit, without_effect: Fit) -> bool:

@@ -208,7 +208,7 @@ def _unknown(found: SearchResult) -> Unknown | None:
 def _imitated(steps: Sequence[Step], unknown: Unknown) -> bool:
     """Return whether the added effects imitate an unknown one elsewhere that alone leaves far less."""
     elsewhere = all(step.effect.at != unknown.at for step in steps)
-    excess = DIAGNOSIS.imitation_excess * (steps[-1].gap_after - 1)
+    excess = DIAGNOSIS.far_less * (steps[-1].gap_after - 1)
     return elsewhere and not unknown.beside_steps and unknown.gap_after - 1 < excess
 
 

@@ -62,10 +62,10 @@ class DiagnosisSettings(Settings):
         doc="largest change of all residuals together from which a detection limit is taken to first order",
         derived="the curvature of a change of one standard deviation is small beside it",
     )
-    imitation_excess: float = setting(
+    far_less: float = setting(
         0.5,
-        doc="excess that an unknown effect or tolerances leave, over that of effects which imitate them",
-        derived="far less: half",
+        doc="excess over random error, over that of another explanation, below which it is far less",
+        derived="half: effects that imitate what another explanation has come nearer to it",
     )
 
 
