@@ -70,4 +70,6 @@ def half_power(
             if part is not None:
                 modal_columns = shapes.T @ a.columns
                 modal_damping += speed * ((modal_columns @ part) * modal_columns).sum(axis=1)
-    return basis.frequencies, modal_damping / (4 * np.pi * omega)
+    moving = omega > 0  # a spring too soft for double precision leaves a motion at 0 Hz
+    widths = np.divide(modal_damping, 4 * np.pi * omega, out=np.zeros_like(omega), where=moving)
+    return basis.frequencies, widths

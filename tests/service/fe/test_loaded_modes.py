@@ -4,12 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.sparse import csc_array
 
 from modallab.core.dof import Dof
 from modallab.fe.attachment import Attachment
 from modallab.fe.cache import Cache
 from modallab.fe.damping import Damping, StructuralDamping, ViscousDamping
-from modallab.fe.loaded_modes import only_loads
+from modallab.fe.loaded_modes import half_power, only_loads
+from modallab.fe.modes import ModalBasis
 from modallab.fe.system import DynamicSystem
 from tests.rigs import beam_system
 
@@ -74,3 +76,11 @@ def test_resonances_on_springs_are_those_of_matrices_with_the_springs_in_them(
 def test_a_spring_takes_a_rigid_body_mode_among_the_resonances() -> None:
     system = beam_system().add_spring(Dof(1, "Y"), 1e3).add_spring(Dof(21, "Y"), 1e3)
     assert system.resonances(800.0)[0][0] < 5.0  # the beam on its springs, far below its first bending mode
+
+
+def test_a_motion_that_rounding_leaves_without_stiffness_has_no_width() -> None:
+    # of a spring so soft that its eigenvalue is rounding, of either sign
+    basis = ModalBasis(np.array([-1e-9, 400.0], complex), np.eye(2), 0)
+    frequencies, half = half_power(basis, csc_array(8.0 * np.eye(2)), None)
+    np.testing.assert_allclose(frequencies, [0.0, 20 / (2 * np.pi)], rtol=1e-12)  # one square root
+    np.testing.assert_allclose(half, [0.0, 8 / (2 * 20) / (2 * np.pi)], rtol=1e-12)
