@@ -3,6 +3,7 @@
 import ast
 from dataclasses import replace
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ from modallab.core.dof import Dof
 from modallab.diagnosis.diagnose import diagnose_with_options
 from modallab.diagnosis.optimisation.tolerances import TolerancePreset
 from modallab.diagnosis.options import DiagnosisOptions
-from modallab.diagnosis.result import Verdict
+from modallab.diagnosis.result import Diagnosis, Verdict
 from modallab.effects.joint_flexibility import JointFlexibility
 from modallab.fe.assembly import assemble
 
@@ -113,3 +114,14 @@ def test_what_is_named_is_judged_by_kind_and_place() -> None:
 
 def test_a_test_is_the_same_whatever_is_drawn_before() -> None:
     assert drawn(3, 1).hidden == drawn(3, 1).hidden
+
+
+@pytest.mark.parametrize("spectra", [True, False])
+def test_a_stinger_counts_where_the_force_is_handed_over(spectra: bool) -> None:
+    test = drawn(32, 7)
+    assert test.hidden[0].kind == "stinger_axial"
+    test = replace(test, plan=replace(test.plan, spectra=spectra))
+    nothing = Mock(
+        spec=Diagnosis, steps=(), detection_limits=(), verdict=Verdict.NOTHING_MISSING, remaining_gap=1.0
+    )
+    assert score(test, nothing)["visible"] is spectra
