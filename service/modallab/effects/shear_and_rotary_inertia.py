@@ -35,9 +35,9 @@ class ShearAndRotaryInertia(Effect):
         1.0,
         unit="1",
         lower=0.0,
-        upper=3.0,
+        upper=30.0,
         doc="shear flexibility and rotary inertia over those of section and material",
-        scan_values=(0.3, 1.0, 2.0),
+        scan_values=(0.3, 1.0, 3.0, 10.0),
     )
 
     def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:

@@ -1,14 +1,14 @@
 """Bending stiffness of the stinger."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import NoneType
 from typing import ClassVar, Self
 
 import numpy as np
 
 from modallab.core.dof import Dof
-from modallab.core.parameters import parameter
+from modallab.core.parameters import ParameterSpec, parameter
 from modallab.correlation.evidence import Evidence
 from modallab.fe.attachment import Attachment
 from modallab.fe.system import DynamicSystem
@@ -26,7 +26,8 @@ class StingerBending(Effect):
     In each plane through the axis [F, M] = EI [[12/L^3, 6/L^2], [6/L^2, 4/L]] [lateral motion, slope],
     without the mass of the rod: far below its first bending mode. The rod extends from the structure
     against the direction of the drive. It changes the structure and not the measured force, so that mass
-    cancellation does not remove it: 1992 thesis, section 5.4.5 and appendix D.
+    cancellation does not remove it: 1992 thesis, section 5.4.5 and appendix D. A stinger with flexures may
+    restrain both without coupling them; a diagnosis tries that too.
     """
 
     kind: ClassVar[str] = "stinger_bending"
@@ -45,15 +46,32 @@ class StingerBending(Effect):
         absent=None,
         doc="of the rod: its lateral stiffness is three times the one in rotation, over length^2",
     )
+    coupling: float = parameter(
+        1.0,
+        unit="1",
+        lower=0.0,
+        upper=1.0,
+        absent=None,
+        doc="of rotation and lateral motion, over a clamped rod's; 0: two springs apart, as of flexures",
+    )
 
     def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
         reach = self.length
-        end = self.stiffness * np.array([[3 / reach**2, 1.5 / reach], [1.5 / reach, 1.0]])
+        coupled = 1.5 * self.coupling / reach
+        end = self.stiffness * np.array([[3 / reach**2, coupled], [coupled, 1.0]])
         for drive in acquisition_run.drives:
             if self.acts_on(drive):
                 for columns, free in lateral_ends(system, drive):
                     system = system.attach(Attachment(columns, stiffness=end[np.ix_(free, free)]))
         return system
+
+    def with_optional_parameters(self) -> Self:
+        """Return the stinger as two springs apart, which restrain rotation and lateral motion."""
+        return replace(self, coupling=0.0)
+
+    def fitted_specs(self) -> list[tuple[str, ParameterSpec, float]]:
+        """Return what a fit varies: stiffness and length."""
+        return [fitted for fitted in super().fitted_specs() if fitted[0] != "coupling"]
 
     @classmethod
     def from_setup(cls, setup: RigSetup) -> Sequence[Self]:

@@ -167,6 +167,17 @@ def test_a_stinger_on_the_other_side_leans_the_other_way() -> None:
     assert np.abs(plus / minus - 1).max() > 1e-5
 
 
+def test_without_coupling_it_is_two_springs_apart() -> None:
+    system, drive = assemble(plane_beam()), Dof(5, "Y")
+    apart = StingerBending(stiffness=50.0, length=0.1).with_optional_parameters()
+    assert [name for name, *_ in apart.fitted_specs()] == ["stiffness", "length"]
+    springs = system.add_spring(Dof(5, "RZ"), 50.0).add_spring(Dof(5, "X"), 3 * 50.0 / 0.1**2)
+    held = apart.on_system(system, AcquisitionRun((drive,), (drive,)))
+    np.testing.assert_allclose(
+        held.folded().stiffness.toarray(), springs.folded().stiffness.toarray(), rtol=1e-12
+    )  # the same sums
+
+
 def test_mass_cancellation_takes_the_mass_away_and_leaves_the_bending() -> None:
     gauge = ForceTransducer(0.05, mass_cancelled=True)
     bare = chain(beam_system(), rig(1, 7)).respond(FREQ).inertance
