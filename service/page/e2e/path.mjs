@@ -237,6 +237,7 @@ async function savedWork(page) {
   await show("Tests");
   assert((await rows.count()) === 2, "the test and its copy from a file are listed");
   await rows.first().getByRole("button", { name: /^Rename/ }).press("Enter");
+  await dialog.locator("input:focus").first().waitFor();
   await page.keyboard.type("Own files");
   await page.keyboard.press("Enter");
   await dialog.getByText("Renamed.").waitFor();

@@ -1,7 +1,7 @@
 /** Saved work: what the user has stored, opened again, deleted, restored, or taken along as a file. */
 
 import "../saved.css";
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { get } from "../api";
 import { timeText, words } from "../format";
 import { save } from "../parts/actions";
@@ -142,7 +142,7 @@ function What({ entry, kind }: { entry: Entry | DiscardedEntry; kind: string }) 
 /** The name of an entry in a field: Enter takes it, Escape leaves it as it was. */
 function NameForm({ entry, kind, take, leave }: { entry: Entry; kind: Kind; take(name: string): void; leave(): void }) {
   const field = useRef<HTMLInputElement>(null);
-  useEffect(() => field.current!.select(), []);
+  useLayoutEffect(() => field.current!.select(), []); // before a key can be pressed
   const send = (event: Event) => {
     event.preventDefault();
     take(field.current!.value.trim());
@@ -155,7 +155,7 @@ function NameForm({ entry, kind, take, leave }: { entry: Entry; kind: Kind; take
   return (
     <form class="what" onSubmit={send}>
       <span class="input">
-        <input ref={field} aria-label="Name" value={entry.name} placeholder={nameOf(entry, kind)} maxLength={100} onKeyDown={escape} />
+        <input ref={field} aria-label="Name" defaultValue={entry.name} placeholder={nameOf(entry, kind)} maxLength={100} onKeyDown={escape} />
         <button type="submit" class="quiet">Save</button>
       </span>
     </form>
