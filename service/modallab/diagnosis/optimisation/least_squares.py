@@ -129,7 +129,10 @@ class BoundedGaussNewton:
             if self.corrections and not (successful and gain > LEAST_SQUARES.poor_gain * predicted_gain):
                 if not renewals:
                     return False
-                self._renew_some() if self._recent_corrections else self.renew()
+                if self._recent_corrections:
+                    self._renew_some()
+                else:
+                    self.renew()
         return False
 
     def _evaluate(self, target: FloatArray) -> FloatArray | None:
