@@ -224,6 +224,8 @@ class ParameterSpec:
 
     absent: float | None
     """Value at which the effect vanishes; null where another parameter gives its size."""
+    alternative: float | None
+    """Value that a diagnosis tries beside the default, of a choice that no fit varies; null of others."""
     doc: str
     """Meaning, in one line."""
     kind: Literal["parameter"]

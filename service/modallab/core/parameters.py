@@ -26,6 +26,8 @@ class ParameterSpec:
     """Initial values of a fit; without any they are spread about the default."""
     optional_start: float | None = None
     """Initial value of a fit, of one that keeps its default unless the data ask for more; None of others."""
+    alternative: float | None = None
+    """Value that a diagnosis tries beside the default, of a choice that no fit varies; None of others."""
 
     @property
     def signed(self) -> bool:
@@ -43,9 +45,10 @@ def parameter(
     absent: float | None = 0.0,
     scan_values: tuple[float, ...] = (),
     optional_start: float | None = None,
+    alternative: float | None = None,
 ) -> Any:
     """Declare a dataclass field that may be fitted; unit and bounds live here only."""
-    spec = ParameterSpec(unit, lower, upper, absent, doc, scan_values, optional_start)
+    spec = ParameterSpec(unit, lower, upper, absent, doc, scan_values, optional_start, alternative)
     return field(default=default, metadata={"spec": spec})
 
 

@@ -2,12 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar, Self
+from typing import ClassVar
 
 import numpy as np
 
 from modallab.core.dof import Dof
-from modallab.core.parameters import ParameterSpec, parameter
+from modallab.core.parameters import parameter
 from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
 from modallab.effects.settings import JOINT_SCAN
@@ -46,19 +46,12 @@ class JointFlexibility(Effect):
         upper=1.0,
         absent=None,
         doc="share of the kink that the member's mass matrix has; 0: it is unchanged",
+        alternative=0.0,
     )
 
     def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
         assert isinstance(self.at, Dof)
         return system.add_joint(self.at.node, self.flexibility, self.consistent_mass)
-
-    def with_optional_parameters(self) -> Self:
-        """Return the joint of a member whose mass matrix is unchanged."""
-        return replace(self, consistent_mass=0.0)
-
-    def fitted_specs(self) -> list[tuple[str, ParameterSpec, float]]:
-        """Return what a fit varies: the flexibility alone."""
-        return [fitted for fitted in super().fitted_specs() if fitted[0] == "flexibility"]
 
     def check(self, structure: Structure, setup: RigSetup | None = None) -> None:
         """Raise unless it sits where members can turn against one another; see `Effect.check`."""

@@ -1,14 +1,14 @@
 """Bending stiffness of the stinger."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import NoneType
 from typing import ClassVar, Self
 
 import numpy as np
 
 from modallab.core.dof import Dof
-from modallab.core.parameters import ParameterSpec, parameter
+from modallab.core.parameters import parameter
 from modallab.correlation.evidence import Evidence
 from modallab.fe.attachment import Attachment
 from modallab.fe.system import DynamicSystem
@@ -53,6 +53,7 @@ class StingerBending(Effect):
         upper=1.0,
         absent=None,
         doc="of rotation and lateral motion, over a clamped rod's; 0: two springs apart, as of flexures",
+        alternative=0.0,
     )
 
     def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
@@ -64,14 +65,6 @@ class StingerBending(Effect):
                 for columns, free in lateral_ends(system, drive):
                     system = system.attach(Attachment(columns, stiffness=end[np.ix_(free, free)]))
         return system
-
-    def with_optional_parameters(self) -> Self:
-        """Return the stinger as two springs apart, which restrain rotation and lateral motion."""
-        return replace(self, coupling=0.0)
-
-    def fitted_specs(self) -> list[tuple[str, ParameterSpec, float]]:
-        """Return what a fit varies: stiffness and length."""
-        return [fitted for fitted in super().fitted_specs() if fitted[0] != "coupling"]
 
     @classmethod
     def from_setup(cls, setup: RigSetup) -> Sequence[Self]:

@@ -180,19 +180,26 @@ class Effect(Parameterised):
     def fitted_specs(self) -> list[tuple[str, ParameterSpec, float]]:
         """Return name, specification and default of each parameter that a fit varies.
 
-        An optional one that has its default keeps it.
+        An optional one that has its default keeps it; a choice between two values is not varied.
         """
         defaults = type(self)().parameters
         return [
             (name, spec, defaults[name])
             for name, spec in self.specs().items()
-            if spec.optional_start is None or self.parameters[name] != defaults[name]
+            if spec.alternative is None
+            and (spec.optional_start is None or self.parameters[name] != defaults[name])
         ]
 
     def with_optional_parameters(self) -> Self:
-        """Return the effect with its optional parameters at the start of a fit; itself without any."""
-        starts = {name: spec.optional_start for name, spec in self.specs().items()}
-        return self.with_parameters({name: start for name, start in starts.items() if start is not None})
+        """Return the effect with its optional parameters at the start of a fit, and the other choices.
+
+        Itself without any.
+        """
+        values = {
+            name: spec.optional_start if spec.alternative is None else spec.alternative
+            for name, spec in self.specs().items()
+        }
+        return self.with_parameters({name: value for name, value in values.items() if value is not None})
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:

@@ -49,7 +49,7 @@ def verify(
     nothing, among suspects with at most one parameter: any other rival is the worse explanation.
     """
     predictor = predictor.with_nuisances_at(elements.nuisance_position)
-    simple = replace(suspects, effects=[e for e in suspects.effects if len(e.specs()) <= 1])
+    simple = replace(suspects, effects=[e for e in suspects.effects if len(e.fitted_specs()) <= 1])
     names = [kind_and_place(effect) for effect in elements.effects]
     steps: list[AcceptedEffect] = []
     for i, effect in enumerate(elements.effects):

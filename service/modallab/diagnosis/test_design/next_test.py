@@ -51,7 +51,7 @@ class Explanation:
         """The effects with one parameter perturbed, and the step, for each parameter."""
         perturbations = []
         for i, effect in enumerate(self.effects):
-            for name, spec in effect.specs().items():
+            for name, spec, _ in effect.fitted_specs():
                 value = effect.parameters[name]
                 scale = abs(value) or abs(type(effect)().parameters[name]) or 1.0
                 step = SEPARATION.difference_step * scale

@@ -20,6 +20,7 @@ from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.force_transducer_mass import ForceTransducerMass
 from modallab.effects.ground_spring import GroundSpring
+from modallab.effects.joint_flexibility import JointFlexibility
 from modallab.effects.rotational_ground_spring import RotationalGroundSpring
 from modallab.effects.stiffness_error import StiffnessError
 from modallab.effects.stinger_bending import StingerBending
@@ -139,3 +140,9 @@ def test_a_hammer_is_not_proposed_to_who_has_one() -> None:
     changes = [test.change for test in follow_up_options(predictor.setup, predictor.system)]
     assert all(change.exciter is None for change in changes)
     assert all(change.drive != struck.drive for change in changes)
+
+
+def test_a_choice_between_two_values_is_no_parameter_that_a_test_would_separate() -> None:
+    crack = JointFlexibility(Dof(4, "RZ"), 1e-4)
+    (((perturbed,), step),) = Explanation((crack,), crack.kind).perturbed
+    assert perturbed == JointFlexibility(Dof(4, "RZ"), 1e-4 + step)
