@@ -270,10 +270,14 @@ def _is_imitated(force: Effect, explanation: Effect, system: DynamicSystem) -> b
 
 
 def _worth_fitting(candidates: Iterable[tuple[float, Effect]]) -> list[tuple[float, Effect]]:
-    """Return the effects of least cost with their costs: the best places of several kinds."""
+    """Return the effects of least cost with their costs: the best places of several kinds.
+
+    An effect on the whole structure is no place of its kind: it has a share of its own.
+    """
     chosen: list[tuple[float, Effect]] = []
     for cost, effect in sorted(candidates, key=lambda pair: pair[0]):
-        of_kind = sum(listed.kind == effect.kind for _, listed in chosen)
+        share = effect.kind, effect.at is None
+        of_kind = sum((listed.kind, listed.at is None) == share for _, listed in chosen)
         if len(chosen) < ROUND.max_fits and of_kind < ROUND.max_fits_of_kind:
             chosen.append((cost, effect))
     return chosen

@@ -20,6 +20,7 @@ from modallab.effects.attached_oscillator import AttachedOscillator
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.ground_spring import GroundSpring
+from modallab.effects.loss_factor_error import LossFactorError
 from modallab.effects.stiffness_error import StiffnessError
 from modallab.rig.effect import Effect
 from tests.diagnosing import draw_measurement, predicting, rig
@@ -34,6 +35,22 @@ def test_a_place_that_the_scan_takes_for_its_neighbour_is_found(monkeypatch: pyt
     best, *others = fit_candidates(predictor, fit(predictor, ()), suspects, progress=silent)
     assert best.effects[-1].at == hidden.at
     assert {4, 5, 7} == {f.effects[-1].at.node for f in others if isinstance(f.effects[-1].at, Dof)}
+
+
+def test_an_error_of_all_members_is_fitted_though_many_single_ones_come_nearer_at_first(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    predictor, _ = predicting(draw_measurement(rig(), [LossFactorError(None, 1.5)]))
+    suspects = [*(LossFactorError(Members((n,)), 2.0) for n in range(1, 7)), LossFactorError(None, 1.4)]
+
+    def costs(_: object, __: object, effect: Effect, ___: float) -> tuple[Effect, float]:
+        return effect, 1.5 if effect.at is None else 1.0
+
+    monkeypatch.setattr(module, "scan", lambda *_: [StartingPoint(effect, 0.03) for effect in suspects])
+    monkeypatch.setattr(module, "coarse_fit", costs)
+    best, *_ = fit_candidates(predictor, fit(predictor, ()), Suspects(suspects), progress=silent)
+    assert best.effects[-1].at is None
+    assert best.effects[-1].parameters["factor"] == pytest.approx(1.5, rel=0.01)  # noise of 1e-3
 
 
 @pytest.mark.parametrize(
