@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
-from itertools import chain
+from itertools import chain, takewhile
 
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
@@ -257,13 +257,14 @@ def _budget_note(predictor: Predictor, explained: bool) -> tuple[str, ...]:
 
 
 def _verdict(predictor: Predictor, path: SearchPath, steps: Sequence[Step], explained: bool) -> Verdict:
-    """Return the verdict; partly explained if the effects surpass their rivals and close most of the gap."""
+    """Return the verdict; partly explained if effects that surpass their rivals close most of the gap."""
     if not steps:
         return Verdict.NOTHING_MISSING if explained else Verdict.UNEXPLAINED
-    alike = any(step.rivals_alike for step in steps)
     if explained:
+        alike = any(step.rivals_alike for step in steps)
         return Verdict.AMBIGUOUS if alike else Verdict.EXPLAINED
-    mask = predictor.observed.fitted
-    excess, excess_before = (found.residual.gap(mask) - 1 for found in (path.fit, path.start))
+    mask, n_sure = predictor.observed.fitted, len(list(takewhile(lambda s: not s.rivals_alike, steps)))
+    sure = path.steps[n_sure - 1].fit if n_sure else path.start
+    excess, excess_before = (found.residual.gap(mask) - 1 for found in (sure, path.start))
     most = excess <= DIAGNOSIS.partial_excess * excess_before
-    return Verdict.PARTLY_EXPLAINED if most and not alike else Verdict.UNEXPLAINED
+    return Verdict.PARTLY_EXPLAINED if most else Verdict.UNEXPLAINED

@@ -51,10 +51,14 @@ def verdict_text(diagnosis: Diagnosis) -> str:
         _reduction(diagnosis.steps, tolerated=bool(diagnosis.tolerated)),
         f"The remaining gap over all FRFs is {remaining}.",
     ]
-    if diagnosis.verdict is Verdict.AMBIGUOUS:
-        equivalents = [effect_name(effect) for step in diagnosis.steps for effect in step.rivals_alike]
-        words.append(f"This measurement cannot distinguish it from {enumeration(equivalents, 'or')}.")
+    if diagnosis.verdict in (Verdict.AMBIGUOUS, Verdict.PARTLY_EXPLAINED):
+        words += [_equivalents(step) for step in diagnosis.steps if step.rivals_alike]
     return " ".join(words)
+
+
+def _equivalents(step: Step) -> str:
+    equivalents = enumeration([effect_name(effect) for effect in step.rivals_alike], "or")
+    return f"This measurement cannot distinguish {effect_name(step.effect)} from {equivalents}."
 
 
 def _reduction(steps: tuple[Step, ...], *, tolerated: bool) -> str:

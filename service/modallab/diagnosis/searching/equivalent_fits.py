@@ -2,19 +2,22 @@
 
 from dataclasses import replace
 
+import numpy as np
+
 from modallab.diagnosis.fitting.fit import Fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import incomplete_variance_inflation, unexplained_parts
 from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, kind_and_place
-from modallab.diagnosis.searching.settings import ACCEPTANCE
+from modallab.diagnosis.searching.settings import ACCEPTANCE, SEARCH
 
 
 def without_undetermined_effects(predictor: Predictor, path: SearchPath) -> SearchPath:
     """Return a path without its last effects where others do as well and none of them leaves noise alone.
 
     What remains beside the first effects is then more than any effect explains, and which one comes
-    nearest is chance: a model that is wrong everywhere by a little leaves as much. Where the only one has
-    fewer parameters, it takes the place of the effect: a mass that of an oscillator tuned far above the band.
+    nearest is chance: a model that is wrong everywhere by a little leaves as much. An effect that closes most
+    of what remained is no chance: it stays, with those that do as well beside it. Where these or the only one
+    have fewer parameters, the best takes its place: a mass that of an oscillator tuned far above the band.
     """
     while len(path.steps) > 1 and unexplained_parts(predictor, path.fit, max_lag=None):
         *others, last = path.steps
@@ -22,12 +25,21 @@ def without_undetermined_effects(predictor: Predictor, path: SearchPath) -> Sear
         equivalents = equivalent_fits(predictor, last, chosen)
         if not equivalents:
             break
-        simpler = equivalents[0]
-        if len(equivalents) == 1 and simpler.n_parameters < chosen.n_parameters:
+        simpler, no_chance = equivalents[0], excess_ratio(predictor, last) < SEARCH.undetermined_ratio
+        if (no_chance or len(equivalents) == 1) and simpler.n_parameters < chosen.n_parameters:
             name = kind_and_place(simpler.effects[-1])
             others.append(replace(last, kind_and_place=name, fit=simpler))
+        elif no_chance:
+            break
         path = SearchPath(path.start, tuple(others))
     return path
+
+
+def excess_ratio(predictor: Predictor, step: AcceptedEffect) -> float:
+    """Return the excess of the gap over 1 after an effect, over that before."""
+    mask = predictor.observed.fitted
+    before, after = (found.residual.gap(mask) - 1 for found in (step.previous_fit, step.fit))
+    return after / before if before > 0 else np.inf
 
 
 def named_fit(step: AcceptedEffect) -> Fit:

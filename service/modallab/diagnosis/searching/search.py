@@ -9,7 +9,7 @@ from modallab.diagnosis.fitting.fit import Fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import is_noise_only, is_significant, variance_inflation
 from modallab.diagnosis.searching.common_deviation import with_common_deviation
-from modallab.diagnosis.searching.equivalent_fits import without_undetermined_effects
+from modallab.diagnosis.searching.equivalent_fits import excess_ratio, without_undetermined_effects
 from modallab.diagnosis.searching.multiple_elements import multiple_elements, verify
 from modallab.diagnosis.searching.search_path import (
     AcceptedEffect,
@@ -131,7 +131,7 @@ def _extended(
     while len(path.steps) < max_effects:
         if path.exhausted or _is_complete(predictor, path) or predictor.budget.exhausted:
             break
-        if len(path.steps) > 1 and not _closes_much(predictor, path.steps[-1]):
+        if len(path.steps) > 1 and not excess_ratio(predictor, path.steps[-1]) < SEARCH.closing_ratio:
             break
         candidates = fit_candidates(predictor, path.fit, suspects, progress=progress)
         best = next(significant_fits(predictor, path.fit, candidates), None)
@@ -161,9 +161,3 @@ def is_prediction_error(predictor: Predictor, path: SearchPath) -> bool:
     scatter = float(found.residual.variance_ratios().response[mask].mean())
     excess, excess_before = (fit.residual.gap(mask) - 1 for fit in (found, path.start))
     return scatter > SEARCH.strong_scatter and excess < SEARCH.prediction_error * excess_before
-
-
-def _closes_much(predictor: Predictor, step: AcceptedEffect) -> bool:
-    mask = predictor.observed.fitted
-    previous_excess, excess = (fit.residual.gap(mask) - 1 for fit in (step.previous_fit, step.fit))
-    return excess < SEARCH.closing_ratio * previous_excess

@@ -268,6 +268,13 @@ class SearchSettings(Settings):
         doc="excess of the gap after an effect over that before, above which no third effect is sought",
         tuned="blind trial: effects outside the catalogue",
     )
+    undetermined_ratio: float = setting(
+        0.25,
+        doc="excess of the gap after an effect over that before, below which it is named though others equal "
+        "it and more than noise is left",
+        derived="three quarters of what remained: more than one of many effects closes of a model that is "
+        "wrong everywhere by a little",
+    )
     strong_scatter: float = setting(
         3.0,
         doc="mean variance of incoherent spectra, over that of Gaussian records, of a strong nonlinear force",

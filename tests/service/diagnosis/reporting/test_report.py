@@ -92,7 +92,7 @@ def test_what_comes_from_outside_cannot_become_markup() -> None:
         (
             Verdict.AMBIGUOUS,
             (replace(STEP, rivals_alike=(EquivalentEffect("density_error", Members((3,))),)),),
-            "cannot distinguish it from density error at member 3",
+            "from density error at member 3",
         ),
     ],
 )

@@ -9,8 +9,13 @@ from modallab.core.place import Members
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import model_probabilities, unexplained_parts
-from modallab.diagnosis.searching.equivalent_fits import equivalent_fits, without_undetermined_effects
+from modallab.diagnosis.searching.equivalent_fits import (
+    equivalent_fits,
+    excess_ratio,
+    without_undetermined_effects,
+)
 from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, kind_and_place
+from modallab.diagnosis.searching.settings import SEARCH
 from modallab.effects.attached_oscillator import AttachedOscillator
 from modallab.effects.density_error import DensityError
 from modallab.effects.extra_mass import ExtraMass
@@ -66,6 +71,19 @@ def test_an_effect_that_others_equal_is_not_named_where_more_than_noise_is_left(
     apart = with_chi_square(path, (n + excess, n + 2 * excess, n + 3 * excess))
     assert without_undetermined_effects(predictor, apart) is apart
     assert model_probabilities(predictor, apart.steps[-1].round_fits)[0] > 0.999
+
+
+def test_an_effect_that_closes_most_of_the_gap_stays_beside_those_that_equal_it() -> None:
+    # A large second mass, in a model that is wrong everywhere by a little.
+    large = ExtraMass(Dof(2, "Y"), 0.05)
+    predictor = predicting(draw_measurement(rig(), [JOINT_MASS, large, *UNEVEN], seed=3))[0]
+    path = path_of(predictor, large, STIFFNESS)
+    best = last_round(path)[0]
+    path = with_chi_square(path, (best.chi_square, 1.01 * best.chi_square))
+    assert unexplained_parts(predictor, path.fit, max_lag=None), "a model that is wrong everywhere"
+    assert equivalent_fits(predictor, path.steps[-1], last(path))
+    assert excess_ratio(predictor, path.steps[-1]) < SEARCH.undetermined_ratio
+    assert without_undetermined_effects(predictor, path) is path
 
 
 def test_the_first_effect_stays(predictor: Predictor) -> None:
