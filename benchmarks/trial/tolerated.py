@@ -38,7 +38,7 @@ class Tolerated:
         self._bench = bench
         system = assemble(bench.structure)
         numbers = nuisance_parameters(tolerances(bench), system, bench.setup) if tolerant else Nuisances()
-        self.numbers = numbers.without(numbers.above_band)
+        self.numbers = numbers.without(numbers.optional)
 
     @cached_property
     def gauge(self) -> Gauge:

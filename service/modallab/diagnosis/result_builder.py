@@ -72,9 +72,9 @@ def _factors_of_members(nuisances: Nuisances, best: Fit, name: str) -> list[Tole
     if not len(indices):
         return []
     deviation = nuisances.parameters[indices[0]].standard_deviation
-    factors = np.exp(nuisances.field.logarithms(deviation, best.nuisance_position[indices]))
-    covariance = best.nuisance_covariance[np.ix_(indices, indices)]
-    errors = factors * nuisances.field.standard_errors(deviation, covariance)
+    shapes, covariance = nuisances.shapes_of(name), best.nuisance_covariance[np.ix_(indices, indices)]
+    factors = np.exp(nuisances.field.logarithms(deviation, best.nuisance_position[indices], shapes))
+    errors = factors * nuisances.field.standard_errors(deviation, covariance, shapes)
     return [
         ToleratedParameter(name, float(factor), float(error), deviation, "1", Members((number,)))
         for number, factor, error in zip(nuisances.field.numbers, factors, errors, strict=True)

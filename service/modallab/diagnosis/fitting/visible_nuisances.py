@@ -1,4 +1,4 @@
-"""Nuisance parameters of modes above the band: those that a test shows."""
+"""Nuisance parameters of modes above the band and of small shapes: those that a test shows."""
 
 from modallab.core.arrays import FloatArray
 from modallab.diagnosis.optimisation.settings import NUISANCE
@@ -8,20 +8,22 @@ from modallab.diagnosis.residuals.residual import residual
 
 
 def with_visible_nuisances(predictor: SingleTestPredictor) -> SingleTestPredictor:
-    """Return the predictor without the parameters of modes above the band that its test does not show.
+    """Return the predictor without the optional nuisance parameters that its test does not show.
 
-    Where noise is low the loss factor of a mode at twice the top of the band is seen near antiresonances.
+    Where noise is low the loss factor of a mode at twice the top of the band is seen near antiresonances, and
+    a deviation of some members by a hundred-thousandth near resonances. A parameter that held-out FRFs alone
+    show is kept: its prior is a part of their prediction's variance.
     """
     nuisances, observed = predictor.nuisances, predictor.observed
-    above = nuisances.above_band
-    if not len(above):
+    optional = nuisances.optional
+    if not len(optional):
         return predictor
     predict = predictor.linearisation_at(())
 
     def vector(predicted: Predicted) -> FloatArray:
-        return residual(observed, predicted).vector(observed.fitted)
+        return residual(observed, predicted).vector(observed.usable)
 
-    columns = nuisances.derivatives(predict, vector, predict(()), observed, predictor.position, above)
+    columns = nuisances.derivatives(predict, vector, predict(()), observed, predictor.position, optional)
     least = NUISANCE.least_visibility * observed.correlation_length
-    invisible = above[(columns**2).sum(axis=0) < least]
+    invisible = optional[(columns**2).sum(axis=0) < least]
     return predictor.with_nuisances(nuisances.without(invisible))

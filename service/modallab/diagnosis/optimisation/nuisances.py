@@ -52,8 +52,8 @@ class Nuisance:
     """Shape of a random field, from 0; None for a parameter of no field."""
     logarithmic: bool = False
     """Whether the standard deviation is of the value's logarithm."""
-    above_band: bool = False
-    """Whether it belongs to a mode above the band, which few tests show."""
+    optional: bool = False
+    """Whether only a test that shows it has it: of a mode above the band, or a shape of little variance."""
 
     def value(self, position: float) -> float:
         """Return the value at a position in standard deviations."""
@@ -196,10 +196,14 @@ class Nuisances:
         """Return the indices of the parameters of a name."""
         return np.flatnonzero(np.array([nuisance.name == name for nuisance in self.parameters], bool))
 
+    def shapes_of(self, name: str) -> IntArray:
+        """Return the shapes of the field, from 0, that the parameters of a name belong to."""
+        return np.array([n.shape for n in self.parameters if n.name == name and n.shape is not None], int)
+
     @property
-    def above_band(self) -> IntArray:
-        """Indices of the parameters of modes above the band."""
-        return np.flatnonzero(np.array([nuisance.above_band for nuisance in self.parameters], bool))
+    def optional(self) -> IntArray:
+        """Indices of the parameters that only a test that shows them has."""
+        return np.flatnonzero(np.array([nuisance.optional for nuisance in self.parameters], bool))
 
     def without(self, indices: IntArray) -> "Nuisances":
         """Return the parameters without some of them, which keep their declared values."""
@@ -218,7 +222,8 @@ class Nuisances:
         if not position[indices].any():
             return ()
         deviation = self.parameters[indices[0]].standard_deviation
-        return tuple(np.exp(self.field.logarithms(deviation, position[indices])).tolist())
+        logarithms = self.field.logarithms(deviation, position[indices], self.shapes_of(name))
+        return tuple(np.exp(logarithms).tolist())
 
     def _effect(self, nuisance: Nuisance, value: float) -> Effect:
         if nuisance.name == "accelerometer_mass":
@@ -269,9 +274,7 @@ def nuisance_parameters(
         stated = tolerances.modal_loss_factor or 0.0
         deviation = NUISANCE.unknown_loss_factor if damping_unknown else stated
         nuisances += [
-            Nuisance(
-                "modal_loss_factor", deviation, 1.0, "1", mode=i, logarithmic=True, above_band=i > n_near
-            )
+            Nuisance("modal_loss_factor", deviation, 1.0, "1", mode=i, logarithmic=True, optional=i > n_near)
             for i, eta in enumerate(loss_factors, 1)
             if eta > 0
         ]
@@ -279,7 +282,10 @@ def nuisance_parameters(
     if deviations := {name: value for name in FIELDS if (value := getattr(tolerances, name))}:
         field = _field(system, deviations)
         for name, deviation in deviations.items():
-            nuisances += [Nuisance(name, deviation, 0.0, "1", shape=i) for i in range(len(field))]
+            nuisances += [
+                Nuisance(name, deviation, 0.0, "1", shape=i, optional=i >= field.n_large)
+                for i in range(len(field))
+            ]
     return Nuisances(tuple(nuisances), setup.accelerometers.mass, loss_factors, field, damping_unknown)
 
 

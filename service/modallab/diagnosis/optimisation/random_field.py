@@ -24,13 +24,15 @@ class RandomField:
     """(n_members,) numbers of the members."""
     shapes: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
     """(n_shapes, n_members) eigenvectors of the covariance, times the roots of its eigenvalues."""
+    n_large: int = 0
+    """Shapes of large variance, the first ones; the others are seen where noise is low."""
 
     @classmethod
     def of(cls, members: MemberTable, standard_deviation: float) -> "RandomField":
         """Return the field with a squared exponential covariance over the distance of centres.
 
         Different bars of a frame are independent: each was made for itself. The shapes of largest variance
-        are retained, until what they omit is negligible.
+        are retained, until what they omit is below the noise of any test.
 
         Parameters
         ----------
@@ -43,14 +45,17 @@ class RandomField:
         covariance = np.exp(-(cdist(centres, centres) ** 2) / (2 * length**2)) * (bar[:, None] == bar)
         variances, vectors = (part[..., ::-1] for part in np.linalg.eigh(covariance))
         omitted = standard_deviation**2 * (1 - np.cumsum(variances) / variances.sum())
-        enough = 1 + int(np.argmax(omitted < RANDOM_FIELD.omitted_deviation**2))
-        n = min(RANDOM_FIELD.max_shapes, enough)
-        return cls(members.numbers, np.ascontiguousarray((np.sqrt(variances[:n]) * vectors[:, :n]).T))
+        n_large, n = (
+            min(RANDOM_FIELD.max_shapes, 1 + int(np.argmax(omitted < deviation**2)))
+            for deviation in (RANDOM_FIELD.small_deviation, RANDOM_FIELD.omitted_deviation)
+        )
+        shapes = (np.sqrt(np.maximum(variances[:n], 0)) * vectors[:, :n]).T
+        return cls(members.numbers, np.ascontiguousarray(shapes), n_large)
 
     def __len__(self) -> int:
         return len(self.shapes)
 
-    def logarithms(self, standard_deviation: float, position: FloatArray) -> FloatArray:
+    def logarithms(self, standard_deviation: float, position: FloatArray, indices: IntArray) -> FloatArray:
         """Return the logarithm (n_members,) of each member's factor.
 
         Parameters
@@ -58,11 +63,15 @@ class RandomField:
         standard_deviation
             Of the logarithm.
         position
-            (n_shapes,) standard normal coefficients of the shapes.
+            (n,) standard normal coefficients of some shapes; those of all others are 0.
+        indices
+            (n,) of these shapes.
         """
-        return standard_deviation * (position @ self.shapes)
+        return standard_deviation * (position @ self.shapes[indices])
 
-    def standard_errors(self, standard_deviation: float, covariance: FloatArray) -> FloatArray:
+    def standard_errors(
+        self, standard_deviation: float, covariance: FloatArray, indices: IntArray
+    ) -> FloatArray:
         """Return the standard error (n_members,) of each logarithm.
 
         Parameters
@@ -70,9 +79,12 @@ class RandomField:
         standard_deviation
             Of the logarithm.
         covariance
-            (n_shapes, n_shapes) of the coefficients of the shapes.
+            (n, n) of the coefficients of some shapes; all others are known to be 0.
+        indices
+            (n,) of these shapes.
         """
-        variance = np.einsum("pe,pq,qe->e", self.shapes, covariance, self.shapes)
+        shapes = self.shapes[indices]
+        variance = np.einsum("pe,pq,qe->e", shapes, covariance, shapes)
         return np.asarray(standard_deviation * np.sqrt(variance))
 
 

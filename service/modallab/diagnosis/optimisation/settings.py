@@ -147,10 +147,15 @@ class RandomFieldSettings(Settings):
         doc="angle between neighbouring members from which on they are parts of different bars",
         derived="a circle of 12 members or more is one bar; corners of frames are 45 to 90 degrees",
     )
-    omitted_deviation: float = setting(
+    small_deviation: float = setting(
         5e-4,
+        doc="standard deviation of a member's factor by the shapes that only a test that shows them has",
+        derived="a twentieth of the bandwidth of 0.5 % damping",
+    )
+    omitted_deviation: float = setting(
+        1e-6,
         doc="standard deviation of what the retained shapes omit of a member's factor",
-        derived="a twentieth of the bandwidth of 0.5 % damping; more shapes use up predictions of a search",
+        derived="moves a resonance of 0.1 % damping by a thousandth of its bandwidth",
     )
     max_shapes: int = setting(
         40, unit="shapes", doc="shapes of a field at most: each costs a prediction a step", tuned=TESTS

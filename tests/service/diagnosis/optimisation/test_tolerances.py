@@ -271,7 +271,7 @@ def test_one_accelerometer_that_roves_has_one_sensitivity_and_one_delay() -> Non
     names = [n.name for n in numbers.parameters]
     assert names.count("sensitivity") == names.count("delay") == 1
     # Elastic modes below 500 Hz: 37, 102, 200, 332, 498 Hz.
-    assert names.count("modal_loss_factor") - len(numbers.above_band) == 5
+    assert names.count("modal_loss_factor") - len(numbers.optional) == 5
     apart = [n.name for n in nuisance_parameters(ALL, assemble(model()), rig(roving=False)).parameters]
     assert apart.count("sensitivity") == apart.count("delay") == 6
 
