@@ -204,7 +204,15 @@ class FreeLevelSettings(Settings):
     least_curvature: float = setting(
         1e-6, doc="least curvature by the noise of the force", derived="keeps its step finite"
     )
+    least_newton: float = setting(
+        0.1,
+        doc="second derivative of the cost over that of Gauss-Newton, above which steps are Newton's",
+        derived="only the cost depends on it",
+    )
     max_step: float = setting(3.0, doc="largest step of a logarithm", derived="only the cost depends on it")
+    last_step: float = setting(
+        1e-6, doc="largest step of a logarithm that ends a fit", derived="Newton: the next is its square"
+    )
     least_share: float = setting(
         1e-3, doc="least share of a step that is tried", derived="only the cost depends on it"
     )

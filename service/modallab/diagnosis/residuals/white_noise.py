@@ -1,6 +1,6 @@
 """Fit of white noise of force and responses to incoherent response spectra."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -38,6 +38,10 @@ class NoiseData:
     force: FloatArray
     """N^2/Hz, (n_freq, n_out, n_in), these forces without noise."""
 
+    def of_channels(self, channels: BoolArray) -> "NoiseData":
+        """Return the data of some response channels (n_out,)."""
+        return NoiseData(**{item.name: getattr(self, item.name)[:, channels] for item in fields(self)})
+
 
 def fit_white_noise(
     data: NoiseData, *, force_noise: bool, response_noise: bool, start: WhiteNoise | None = None
@@ -45,19 +49,52 @@ def fit_white_noise(
     """Return the noise that fits incoherent spectra best, by least squares of their logarithms.
 
     With N of the force and P of a response the incoherent spectrum is I + P + |H|^2 G_ff N / (G_ff + N),
-    I its part without noise; of several forces the sum, as if they were uncorrelated. The logarithms of all
-    levels are fitted by damped Gauss-Newton steps, those of the responses eliminated by the Schur complement.
+    I its part without noise; of several forces the sum, as if they were uncorrelated. Held-out channels have
+    noise of their own, beside that of the force which the others tell.
 
     Parameters
     ----------
     start
         Noise of a prediction very much like this one; None: the start is found in the spectra.
     """
-    n_out = data.measured.shape[1]
+    tell = np.asarray(data.fitted.any(axis=0))
+    if not force_noise or tell.all() or not tell.any():
+        return _levels(data, start, 0.0, force_noise=force_noise, response_noise=response_noise)
+    first = _levels(
+        data.of_channels(tell), _of(start, tell), 0.0, force_noise=True, response_noise=response_noise
+    )
+    others = _levels(
+        data.of_channels(~tell),
+        _of(start, ~tell),
+        first.force,
+        force_noise=False,
+        response_noise=response_noise,
+    )
+    response = np.zeros(len(tell))
+    response[tell], response[~tell] = first.response, others.response
+    return WhiteNoise(first.force, response)
+
+
+def _of(noise: WhiteNoise | None, channels: BoolArray) -> WhiteNoise | None:
+    return None if noise is None else WhiteNoise(noise.force, noise.response[channels])
+
+
+def _levels(
+    data: NoiseData, start: WhiteNoise | None, force: float, *, force_noise: bool, response_noise: bool
+) -> WhiteNoise:
+    """Return the noise of channels by damped Newton steps of the logarithms of all levels.
+
+    Those of the responses are eliminated by the Schur complement.
+
+    Parameters
+    ----------
+    force
+        N^2/Hz, noise of the force where it is known.
+    """
     used = data.weight > 0
     floor = FREE_LEVELS.least_noise * np.median(data.coherent + data.other, axis=0) + SAFE_SQUARED_DIVISOR
     force_floor = FREE_LEVELS.least_noise * float(np.median(data.force)) + SAFE_SQUARED_DIVISOR
-    response, force = np.zeros(n_out), 0.0
+    response = np.zeros(data.measured.shape[1])
     if response_noise:
         first = _low(data.measured, used) if start is None else start.response
         response = np.maximum(first, floor)
@@ -69,17 +106,22 @@ def fit_white_noise(
     for _ in range(FREE_LEVELS.max_iterations):
         step_force = float(np.clip(steps_force, -FREE_LEVELS.max_step, FREE_LEVELS.max_step))
         step_response = np.clip(steps_response, -FREE_LEVELS.max_step, FREE_LEVELS.max_step)
+        last = max(abs(step_force), float(np.abs(step_response).max(initial=0.0))) < FREE_LEVELS.last_step
         size = 1.0
         while True:
-            new_force = max(force * np.exp(size * step_force), force_floor) if force_noise else 0.0
+            new_force = max(force * np.exp(size * step_force), force_floor) if force_noise else force
             new_response = (
                 np.maximum(response * np.exp(size * step_response), floor) if response_noise else response
             )
+            if last:
+                return WhiteNoise(new_force, new_response)
             new_cost, new_steps = fit.steps(new_force, new_response)
             if new_cost <= cost or size < FREE_LEVELS.least_share:
                 break
             size /= 2
         gain_of_step = cost - new_cost
+        if gain_of_step < 0:
+            break
         force, response, cost, (steps_force, steps_response) = new_force, new_response, new_cost, new_steps
         if gain_of_step <= FREE_LEVELS.tolerance * cost:
             break
@@ -102,7 +144,7 @@ class _Fit:
 
     def __init__(self, data: NoiseData, free: tuple[bool, bool]) -> None:
         self._data, self._free = data, free
-        self._weight_of_force = data.weight * data.fitted
+        self._weight = data.weight * data.fitted if free[0] else data.weight
         self._log = np.log(data.measured)
 
     def steps(self, force: float, response: FloatArray) -> tuple[float, tuple[float, FloatArray]]:
@@ -114,20 +156,26 @@ class _Fit:
         misfit = self._log - np.log(expected)
         by_force = (of_forces * share).sum(axis=2) / expected
         by_response = response / expected
-        weight = data.weight
-        cost = float((weight * misfit**2).sum())
-        curvature = (weight * by_response**2).sum(axis=0) + SAFE_DIVISOR
-        gradient = (weight * by_response * misfit).sum(axis=0)
+        weight = self._weight
+        pulled = weight * misfit
+        cost = float((pulled * misfit).sum())
+        slope = (pulled * by_response).sum(axis=0)
+        squares = (weight * by_response**2).sum(axis=0)
+        curvature = _newton(squares, squares - slope + (pulled * by_response**2).sum(axis=0)) + SAFE_DIVISOR
         if not self._free[0]:
-            return cost, (0.0, gradient / curvature)
-        # Held-out FRFs have noise of their own, but take no part in that of the force.
-        weight = self._weight_of_force
-        own = float((weight * by_force**2).sum()) + SAFE_DIVISOR
-        pull = float((weight * by_force * misfit).sum())
+            return cost, (0.0, slope / curvature)
+        own, pull = float((weight * by_force**2).sum()), float((pulled * by_force).sum())
+        bend = (of_forces * share * (2 * share - 1)).sum(axis=2) / expected - by_force**2
+        own = float(_newton(own, own - float((pulled * bend).sum()))) + SAFE_DIVISOR
         if not self._free[1]:
-            return cost, (pull / own, gradient)
-        mixed = (weight * by_force * by_response).sum(axis=0)
-        step_force = (pull - float((mixed * gradient / curvature).sum())) / max(
+            return cost, (pull / own, slope)
+        mixed = ((weight + pulled) * by_force * by_response).sum(axis=0)
+        step_force = (pull - float((mixed * slope / curvature).sum())) / max(
             own - float((mixed**2 / curvature).sum()), FREE_LEVELS.least_curvature * own
         )
-        return cost, (step_force, (gradient - mixed * step_force) / curvature)
+        return cost, (step_force, (slope - mixed * step_force) / curvature)
+
+
+def _newton(gauss_newton: FloatArray | float, newton: FloatArray | float) -> FloatArray:
+    """Return second derivatives of the cost; where they are small or negative those of Gauss-Newton."""
+    return np.where(newton > FREE_LEVELS.least_newton * np.asarray(gauss_newton), newton, gauss_newton)
