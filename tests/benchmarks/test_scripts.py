@@ -22,7 +22,7 @@ SCRIPTS = sorted(
 )
 SMALL = {
     "averaging_scatter": ["20"],
-    "control_bar": ["--members", "26", "--factors", "0.7", "--draws", "1"],
+    "control_bar": ["--members", "26", "--factors", "0.7", "--draws", "1", "--suspects", "stiffness_error"],
     "drawn_against_sampled": ["30"],
     "extraction_accuracy": ["--draws", "1", "--bandwidths", "2"],
     "extraction_errors": ["1"],
@@ -34,7 +34,7 @@ SMALL = {
     "measurement_job": ["--rounds", "1", "--jobs", "1"],
     "pair_errors": ["1"],
     "peer_report": ["--small"],
-    "resonant_effects": ["--kind", "mounted_resonance", "--count", "1"],
+    "resonant_effects": ["--kind", "mounted_resonance", "--count", "1", "--suspects", "mounted_resonance"],
     "strange_files": ["--every", "20"],
     "unknown_effects": ["--kind", "fractional", "--count", "1", "--few"],
     "viscous_modes": ["1"],
