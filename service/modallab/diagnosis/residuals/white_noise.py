@@ -57,21 +57,25 @@ def fit_white_noise(
     start
         Noise of a prediction very much like this one; None: the start is found in the spectra.
     """
-    tell = np.asarray(data.fitted.any(axis=0))
-    if not force_noise or tell.all() or not tell.any():
+    informative = np.asarray(data.fitted.any(axis=0))
+    if not force_noise or informative.all() or not informative.any():
         return _levels(data, start, 0.0, force_noise=force_noise, response_noise=response_noise)
     first = _levels(
-        data.of_channels(tell), _of(start, tell), 0.0, force_noise=True, response_noise=response_noise
+        data.of_channels(informative),
+        _of(start, informative),
+        0.0,
+        force_noise=True,
+        response_noise=response_noise,
     )
     others = _levels(
-        data.of_channels(~tell),
-        _of(start, ~tell),
+        data.of_channels(~informative),
+        _of(start, ~informative),
         first.force,
         force_noise=False,
         response_noise=response_noise,
     )
-    response = np.zeros(len(tell))
-    response[tell], response[~tell] = first.response, others.response
+    response = np.zeros(len(informative))
+    response[informative], response[~informative] = first.response, others.response
     return WhiteNoise(first.force, response)
 
 
@@ -140,7 +144,7 @@ def _low(values: FloatArray, used: BoolArray) -> FloatArray:
 
 
 class _Fit:
-    """Normal equations of the logarithms of all levels."""
+    """Quadratic approximation of the cost in the logarithms of all levels."""
 
     def __init__(self, data: NoiseData, free: tuple[bool, bool]) -> None:
         self._data, self._free = data, free
@@ -148,7 +152,7 @@ class _Fit:
         self._log = np.log(data.measured)
 
     def steps(self, force: float, response: FloatArray) -> tuple[float, tuple[float, FloatArray]]:
-        """Return the cost, and the Gauss-Newton steps of ln N and of ln P (n_out,)."""
+        """Return the cost, and the Newton steps of ln N and of ln P (n_out,)."""
         data = self._data
         share = data.force / (data.force + force)
         of_forces = data.gain * share * force
@@ -157,20 +161,20 @@ class _Fit:
         by_force = (of_forces * share).sum(axis=2) / expected
         by_response = response / expected
         weight = self._weight
-        pulled = weight * misfit
-        cost = float((pulled * misfit).sum())
-        slope = (pulled * by_response).sum(axis=0)
+        weighted = weight * misfit
+        cost = float((weighted * misfit).sum())
+        slope = (weighted * by_response).sum(axis=0)
         squares = (weight * by_response**2).sum(axis=0)
-        curvature = _newton(squares, squares - slope + (pulled * by_response**2).sum(axis=0)) + SAFE_DIVISOR
+        curvature = _newton(squares, squares - slope + (weighted * by_response**2).sum(axis=0)) + SAFE_DIVISOR
         if not self._free[0]:
             return cost, (0.0, slope / curvature)
-        own, pull = float((weight * by_force**2).sum()), float((pulled * by_force).sum())
-        bend = (of_forces * share * (2 * share - 1)).sum(axis=2) / expected - by_force**2
-        own = float(_newton(own, own - float((pulled * bend).sum()))) + SAFE_DIVISOR
+        own, force_slope = float((weight * by_force**2).sum()), float((weighted * by_force).sum())
+        second = (of_forces * share * (2 * share - 1)).sum(axis=2) / expected - by_force**2
+        own = float(_newton(own, own - float((weighted * second).sum()))) + SAFE_DIVISOR
         if not self._free[1]:
-            return cost, (pull / own, slope)
-        mixed = ((weight + pulled) * by_force * by_response).sum(axis=0)
-        step_force = (pull - float((mixed * slope / curvature).sum())) / max(
+            return cost, (force_slope / own, slope)
+        mixed = ((weight + weighted) * by_force * by_response).sum(axis=0)
+        step_force = (force_slope - float((mixed * slope / curvature).sum())) / max(
             own - float((mixed**2 / curvature).sum()), FREE_LEVELS.least_curvature * own
         )
         return cost, (step_force, (slope - mixed * step_force) / curvature)

@@ -16,8 +16,8 @@ def without_undetermined_effects(predictor: Predictor, path: SearchPath) -> Sear
 
     What remains beside the first effects is then more than any effect explains, and which one comes
     nearest is chance: a model that is wrong everywhere by a little leaves as much. An effect that closes most
-    of what remained is no chance: it stays, with those that do as well beside it. Where these or the only one
-    have fewer parameters, the best takes its place: a mass that of an oscillator tuned far above the band.
+    of what remained is no chance: it stays, and so do its equivalents. One that has a single equivalent, or
+    stays, gives way to an equivalent with fewer parameters: an oscillator tuned far above the band to a mass.
     """
     while len(path.steps) > 1 and unexplained_parts(predictor, path.fit, max_lag=None):
         *others, last = path.steps
