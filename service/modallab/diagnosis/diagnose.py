@@ -24,6 +24,7 @@ from modallab.diagnosis.result import Diagnosis, Step, Unknown, Verdict
 from modallab.diagnosis.result_builder import curves, extended, rivals, step, tolerated
 from modallab.diagnosis.search_result import SearchResult
 from modallab.diagnosis.search_task import SearchTask, suspected
+from modallab.diagnosis.searching.acceptance import excess_ratio
 from modallab.diagnosis.searching.search_path import SearchPath
 from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.diagnosis.test_design.proposal import next_test
@@ -263,8 +264,7 @@ def _verdict(predictor: Predictor, path: SearchPath, steps: Sequence[Step], expl
     if explained:
         alike = any(step.rivals_alike for step in steps)
         return Verdict.AMBIGUOUS if alike else Verdict.EXPLAINED
-    mask, n_sure = predictor.observed.fitted, len(list(takewhile(lambda s: not s.rivals_alike, steps)))
+    n_sure = len(list(takewhile(lambda each: not each.rivals_alike, steps)))
     sure = path.steps[n_sure - 1].fit if n_sure else path.start
-    excess, excess_before = (found.residual.gap(mask) - 1 for found in (sure, path.start))
-    most = excess <= DIAGNOSIS.partial_excess * excess_before
+    most = excess_ratio(predictor, path.start, sure) <= DIAGNOSIS.partial_excess
     return Verdict.PARTLY_EXPLAINED if most else Verdict.UNEXPLAINED

@@ -63,6 +63,13 @@ def unexplained_parts(predictor: Predictor, candidate: Fit, *, max_lag: int | No
     return fitted | held_out | parts_with_wide_errors(predictor, candidate, max_lag=max_lag)
 
 
+def excess_ratio(predictor: Predictor, before: Fit, after: Fit) -> float:
+    """Return the excess of the fitted gap over 1 with further effects, over that without them."""
+    mask = predictor.observed.fitted
+    excess_before, excess = (found.residual.gap(mask) - 1 for found in (before, after))
+    return excess / excess_before if excess_before > 0 else np.inf
+
+
 def parts_with_wide_errors(predictor: Predictor, candidate: Fit, *, max_lag: int | None = None) -> set[str]:
     """Return the fitted parts whose residuals are far smaller than the errors that effects in bursts state.
 

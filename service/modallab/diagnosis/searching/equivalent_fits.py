@@ -2,11 +2,13 @@
 
 from dataclasses import replace
 
-import numpy as np
-
 from modallab.diagnosis.fitting.fit import Fit
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.searching.acceptance import incomplete_variance_inflation, unexplained_parts
+from modallab.diagnosis.searching.acceptance import (
+    excess_ratio,
+    incomplete_variance_inflation,
+    unexplained_parts,
+)
 from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, kind_and_place
 from modallab.diagnosis.searching.settings import ACCEPTANCE, SEARCH
 
@@ -16,7 +18,7 @@ def without_undetermined_effects(predictor: Predictor, path: SearchPath) -> Sear
 
     What remains beside the first effects is then more than any effect explains, and which one comes
     nearest is chance: a model that is wrong everywhere by a little leaves as much. An effect that closes most
-    of what remained is no chance: it stays, and so do its equivalents. One that has a single equivalent, or
+    of what remained is present: it stays, and so do its equivalents. One that has a single equivalent, or
     stays, gives way to an equivalent with fewer parameters: an oscillator tuned far above the band to a mass.
     """
     while len(path.steps) > 1 and unexplained_parts(predictor, path.fit, max_lag=None):
@@ -25,21 +27,17 @@ def without_undetermined_effects(predictor: Predictor, path: SearchPath) -> Sear
         equivalents = equivalent_fits(predictor, last, chosen)
         if not equivalents:
             break
-        simpler, no_chance = equivalents[0], excess_ratio(predictor, last) < SEARCH.undetermined_ratio
-        if (no_chance or len(equivalents) == 1) and simpler.n_parameters < chosen.n_parameters:
+        simpler, closes_most = (
+            equivalents[0],
+            excess_ratio(predictor, last.previous_fit, last.fit) < SEARCH.undetermined_ratio,
+        )
+        if (closes_most or len(equivalents) == 1) and simpler.n_parameters < chosen.n_parameters:
             name = kind_and_place(simpler.effects[-1])
             others.append(replace(last, kind_and_place=name, fit=simpler))
-        elif no_chance:
+        elif closes_most:
             break
         path = SearchPath(path.start, tuple(others))
     return path
-
-
-def excess_ratio(predictor: Predictor, step: AcceptedEffect) -> float:
-    """Return the excess of the gap over 1 after an effect, over that before."""
-    mask = predictor.observed.fitted
-    before, after = (found.residual.gap(mask) - 1 for found in (step.previous_fit, step.fit))
-    return after / before if before > 0 else np.inf
 
 
 def named_fit(step: AcceptedEffect) -> Fit:

@@ -7,9 +7,14 @@ from itertools import islice
 from modallab.core.progress import Progress, part
 from modallab.diagnosis.fitting.fit import Fit
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.searching.acceptance import is_noise_only, is_significant, variance_inflation
+from modallab.diagnosis.searching.acceptance import (
+    excess_ratio,
+    is_noise_only,
+    is_significant,
+    variance_inflation,
+)
 from modallab.diagnosis.searching.common_deviation import with_common_deviation
-from modallab.diagnosis.searching.equivalent_fits import excess_ratio, without_undetermined_effects
+from modallab.diagnosis.searching.equivalent_fits import without_undetermined_effects
 from modallab.diagnosis.searching.multiple_elements import multiple_elements, verify
 from modallab.diagnosis.searching.search_path import (
     AcceptedEffect,
@@ -131,7 +136,8 @@ def _extended(
     while len(path.steps) < max_effects:
         if path.exhausted or _is_complete(predictor, path) or predictor.budget.exhausted:
             break
-        if len(path.steps) > 1 and not excess_ratio(predictor, path.steps[-1]) < SEARCH.closing_ratio:
+        last = path.steps[-1] if len(path.steps) > 1 else None
+        if last and not excess_ratio(predictor, last.previous_fit, last.fit) < SEARCH.closing_ratio:
             break
         candidates = fit_candidates(predictor, path.fit, suspects, progress=progress)
         best = next(significant_fits(predictor, path.fit, candidates), None)
@@ -159,5 +165,5 @@ def is_prediction_error(predictor: Predictor, path: SearchPath) -> bool:
     if found.residual.variance_ratios is None or not is_nonlinear(found.effects):
         return False
     scatter = float(found.residual.variance_ratios().response[mask].mean())
-    excess, excess_before = (fit.residual.gap(mask) - 1 for fit in (found, path.start))
-    return scatter > SEARCH.strong_scatter and excess < SEARCH.prediction_error * excess_before
+    closed = excess_ratio(predictor, path.start, found) < SEARCH.prediction_error
+    return scatter > SEARCH.strong_scatter and closed
