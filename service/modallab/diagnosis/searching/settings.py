@@ -129,6 +129,17 @@ class ShortlistSettings(Settings):
     """Suspects, places and values that are predicted."""
 
     max_places: int = setting(4, unit="places", doc="places of a kind for each noise inflation", tuned=TESTS)
+    max_refined_places: int = setting(
+        8,
+        unit="places",
+        doc="places of a kind whose amounts are refined, for each noise inflation",
+        derived="twice those that are predicted",
+    )
+    refinements: tuple[tuple[float, int], ...] = setting(
+        ((0.7, 8), (0.15, 5)),
+        doc="logarithm of an amount over the best one, to either side, and the amounts tried in that range",
+        derived="to the next value of the grid, then to the next of these",
+    )
     sample_size: int = setting(
         1500, unit="FRF values", doc="values of all channels by which places are ranked", tuned=TESTS
     )

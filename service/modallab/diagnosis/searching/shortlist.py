@@ -15,7 +15,7 @@ from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.residual import residual
 from modallab.diagnosis.searching.modification_screen import ModificationScreen
 from modallab.diagnosis.searching.robust_cost import RobustCost, line_minimum_fraction
-from modallab.diagnosis.searching.settings import LOSS, SHORTLIST
+from modallab.diagnosis.searching.settings import LOSS, SCAN, SHORTLIST
 from modallab.diagnosis.searching.starting_values import scan_sizes, smallest_amounts, with_amount_scaled
 from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.frf_channel import FrfChannel
@@ -81,8 +81,10 @@ def shortlist(
             unscreened.setdefault(suspect.kind, []).append(_UnscreenedPlace(sizes, linearised))
         else:
             chosen.append(sizes)
+    useful = SCAN.useful_cost * cost.of(screen.unmodified)
     for screened_places in screened.values():
-        chosen += _best(screened_places)
+        likely = _of_least_cost(screened_places, SHORTLIST.max_refined_places)
+        chosen += _best([_refined(screen, place, cost, useful) for place in likely], useful)
     for places in unscreened.values():
         chosen += _likely(prediction, accepted, _likely_linearised(places, predictor))
     return chosen
@@ -141,12 +143,52 @@ def _screened(
     return _ScreenedPlace([*sizes, *scaled_sizes], cost.of(np.vstack([vectors, *scaled_vectors])))
 
 
-def _best(places: Sequence[_ScreenedPlace]) -> list[list[Effect]]:
-    """Return the values to predict at the best places of one kind."""
+def _refined(
+    screen: ModificationScreen, place: _ScreenedPlace, cost: RobustCost, useful: FloatArray
+) -> _ScreenedPlace:
+    """Return a place with amounts between those of the grid, about the best one at each inflation.
+
+    Where resonances shift by more than their bandwidths the right place is no better than others at an
+    amount that is half right.
+
+    Parameters
+    ----------
+    useful
+        (n_inflations,) costs from which on a place is of no use.
+    """
+    for half_range, n in SHORTLIST.refinements:
+        shares = np.exp(np.linspace(-half_range, half_range, n))
+        centres: list[Effect] = []
+        for w in np.flatnonzero(place.costs.min(axis=0) < useful):
+            if (best := place.best(int(w))) not in centres and smallest_amounts([best]):
+                centres.append(best)
+        for centre in centres:  # one by one: many places have the same ones, and their stiffness is cached
+            sizes = [with_amount_scaled(centre, float(share)) for share in shares]
+            if (ratios := screen.ratios(sizes)) is not None:
+                costs = np.vstack([place.costs, cost.of(screen.vectors(ratios))])
+                place = _ScreenedPlace([*place.sizes, *sizes], costs)
+    return place
+
+
+def _of_least_cost(places: Sequence[_ScreenedPlace], n: int) -> list[_ScreenedPlace]:
+    """Return the n places of least cost at each noise inflation."""
+    costs = np.array([place.costs.min(axis=0) for place in places])
+    return [places[i] for i in np.unique(np.argsort(costs, axis=0)[:n])]
+
+
+def _best(places: Sequence[_ScreenedPlace], useful: FloatArray) -> list[list[Effect]]:
+    """Return the values to predict at the best place of one kind, and at others that are of use.
+
+    Parameters
+    ----------
+    useful
+        (n_inflations,) costs below which a place is of use.
+    """
     chosen: dict[int, list[Effect]] = {}
-    for w in range(len(LOSS.noise_inflations)):
-        order = sorted(range(len(places)), key=lambda i: float(places[i].costs[:, w].min()))
-        for i in order[: SHORTLIST.max_places]:
+    for w, limit in enumerate(useful):
+        lowest = [float(place.costs[:, w].min()) for place in places]
+        order = sorted(range(len(places)), key=lambda i: lowest[i])
+        for i in (order[0], *(i for i in order[1 : SHORTLIST.max_places] if lowest[i] < limit)):
             best = places[i].best(w)
             if best not in chosen.setdefault(i, []):
                 chosen[i].append(best)

@@ -43,6 +43,22 @@ def test_places_are_told_apart_by_a_sample_of_lines_as_well(
     assert SHORTLIST.max_places <= len(found) < len(suspects)
 
 
+@pytest.mark.parametrize("mass", [0.05, 0.06, 0.07])
+def test_an_amount_between_those_of_the_grid_is_listed_at_the_right_place(mass: float) -> None:
+    # Values of the grid are a factor of 1.78 apart; those that are tried last a fifth of a tenth.
+    prediction = looking_for(ExtraMass(Dof(6, "Y"), mass))
+    found = shortlist(prediction, [], [ExtraMass(Dof(n, "Y")) for n in NODES], silent)
+    amounts = [effect.parameters["mass"] for sizes in found for effect in sizes if effect.at == Dof(6, "Y")]
+    assert min(abs(amount / mass - 1) for amount in amounts) < 0.08
+
+
+def test_of_a_kind_that_is_of_no_use_one_place_is_listed() -> None:
+    # More mass raises no frequency: a spring to the ground makes predictions worse at every node.
+    prediction = looking_for(ExtraMass(Dof(6, "Y"), 0.1))
+    found = shortlist(prediction, [], [GroundSpring(Dof(n, "Y")) for n in NODES], silent)
+    assert len(found) <= 3  # at most one at each noise inflation
+
+
 def test_a_sample_has_every_line_and_every_channel() -> None:
     glimpses = looking_for(ExtraMass(Dof(6, "Y"), 0.1))
     whole, sample = glimpses.observed.fitted, glimpses.subsampled(3).observed.fitted
