@@ -52,11 +52,11 @@ def test_without_distortion_next_to_nothing_is_added_to_gaussian_scatter() -> No
 
 
 def test_a_test_is_gone_through_once_for_effects_of_about_one_size() -> None:
-    rehearsals, setup = SimulatedVariance(), rig(roving=False)
+    variance, setup = SimulatedVariance(), rig(roving=False)
 
     def factors(*effects: Effect) -> object:
         whole = chain(assemble(model()), setup, effects)
-        return rehearsals.factors(whole, expected_spectra(whole), effects)
+        return variance.factors(whole, expected_spectra(whole), effects)
 
     first = factors(CLIPPED)
     assert factors(Overload(None, 2.81)) is first

@@ -234,17 +234,17 @@ def test_what_belongs_to_a_held_out_channel_is_read_off_that_channel() -> None:
 
 def test_residuals_are_cleared_of_what_is_tolerated_and_of_nothing_else() -> None:
     predictor, numbers = allowing(rig(), true := 0.3 * off(3))
-    glimpses = predictor.coarse_prediction(())
+    coarse = predictor.coarse_prediction(())
 
     def left(*effects: Effect) -> FloatArray:
-        observed = glimpses.observed
-        return residual(observed, glimpses.predict(effects)).vector(observed.fitted)
+        observed = coarse.observed
+        return residual(observed, coarse.predict(effects)).vector(observed.fitted)
 
     nothing, right, wrong = left(), left(*numbers.effects(true[: len(numbers)])), left(MASS)
-    cleared = glimpses.project_out(np.array([nothing, wrong]), 0.0)
+    projected = coarse.project_out(np.array([nothing, wrong]), 0.0)
     # To the second order of a third of a standard deviation: 0.06^2 of a loss factor is many random errors.
-    assert cleared[0] @ cleared[0] - right @ right < 0.01 * (nothing @ nothing - right @ right)
-    assert cleared[1] @ cleared[1] > 0.3 * wrong @ wrong  # 100 g are beyond all limits
+    assert projected[0] @ projected[0] - right @ right < 0.01 * (nothing @ nothing - right @ right)
+    assert projected[1] @ projected[1] > 0.3 * wrong @ wrong  # 100 g are beyond all limits
     assert predictor.coarse_prediction(()).project_out(nothing, 0.3).shape == (len(nothing) + len(numbers),)
 
 

@@ -95,11 +95,11 @@ def test_what_is_held_out_is_held_out_of_all_tests() -> None:
 
 def test_first_looks_at_several_tests_are_those_at_each() -> None:
     joint = both(rig(kind="random", window="hann"), MOVED)
-    glimpses = joint.coarse_prediction([])
-    looked = glimpses.predict([MASS])
+    coarse = joint.coarse_prediction([])
+    predicted = coarse.predict([MASS])
     each = [test.coarse_prediction([]).predict([MASS]).h for test in joint.tests]
-    np.testing.assert_allclose(looked.h, np.concatenate(each), rtol=1e-12)
-    assert glimpses.observed.h.shape == looked.h.shape
+    np.testing.assert_allclose(predicted.h, np.concatenate(each), rtol=1e-12)
+    assert coarse.observed.h.shape == predicted.h.shape
 
 
 def test_lines_are_held_out_of_each_test_alike() -> None:

@@ -48,13 +48,13 @@ def test_a_side_that_the_neighbouring_lines_tell_is_taken() -> None:
     assert error < 0.05, "the other side, 1.2 Hz off, is ruled out"
 
 
-def test_what_has_no_lookalike_is_left_as_it_is() -> None:
+def test_a_value_without_equivalents_is_left_as_it_is() -> None:
     predictor, _ = predicting(draw_measurement(rig(), [ExtraMass(Dof(4, "Y"), 0.02)]))
     found = fit(predictor, (ExtraMass(Dof(4, "Y"), 0.02),))
     assert resolve_equivalents(predictor, found) is found
 
 
-def test_hum_below_the_lowest_mains_has_no_lookalike() -> None:
+def test_hum_below_the_lowest_mains_has_no_equivalent() -> None:
     coarse = replace(rig(), analyser=replace(rig().analyser, n_lines=9))  # 50 Hz apart
     assert MainsHum(frequency=85.0).equivalent(coarse) == MainsHum(frequency=115.0)
     assert MainsHum(frequency=24.0).equivalent(coarse) is None  # -24 Hz

@@ -46,7 +46,7 @@ def quiet(*, roving: bool = True) -> Predictor:
     ids=lambda value: value.kind if isinstance(value, Effect) else "",
 )
 @pytest.mark.parametrize("roving", [True, False])
-def test_what_hangs_on_a_structure_is_foreseen_exactly(
+def test_attachments_to_a_structure_are_predicted_exactly(
     effect: Effect, larger: dict[str, float], roving: bool
 ) -> None:
     predictor = quiet(roving=roving)
@@ -87,7 +87,7 @@ def test_sizes_at_one_place_after_the_other_are_those_at_a_place_alone() -> None
             np.testing.assert_allclose(found, alone, rtol=1e-8)
 
 
-def test_it_is_foreseen_beside_what_was_accepted_at_the_same_member() -> None:
+def test_an_effect_beside_an_accepted_one_at_the_same_member_is_predicted_exactly() -> None:
     predictor = quiet()
     accepted, more = StiffnessError(Members((3,)), 0.8), GroundSpring(Dof(3, "Y"), 1e4)
     ratios = ModificationScreen(predictor.coarse_prediction([accepted]), [accepted]).ratios([more])
@@ -99,7 +99,7 @@ def test_it_is_foreseen_beside_what_was_accepted_at_the_same_member() -> None:
     )
 
 
-def test_it_is_foreseen_where_a_channel_hears_two_motions() -> None:
+def test_a_channel_that_measures_two_motions_is_predicted_exactly() -> None:
     predictor = quiet()
     beside, more = MisplacedAccelerometer(Channels((Dof(5, "Y"),)), 0.02), GroundSpring(Dof(3, "Y"), 1e4)
     swapped = SwappedChannels(Channels((Dof(4, "Y"), Dof(5, "Y"))))
@@ -111,22 +111,22 @@ def test_it_is_foreseen_where_a_channel_hears_two_motions() -> None:
         np.testing.assert_allclose(ratios[0], (both / alone)[fitted], rtol=1e-4)
 
 
-def test_what_is_not_hung_on_the_structure_is_not_foreseen() -> None:
-    foreseen = ModificationScreen(quiet().coarse_prediction([]), [])
-    assert foreseen.ratios([GainError(Channels((Dof(5, "Y"),)), 1.1)]) is None
-    assert foreseen.ratios([StiffnessError(None, 1.1)]) is None
+def test_an_effect_that_is_no_attachment_has_no_ratios() -> None:
+    screen = ModificationScreen(quiet().coarse_prediction([]), [])
+    assert screen.ratios([GainError(Channels((Dof(5, "Y"),)), 1.1)]) is None
+    assert screen.ratios([StiffnessError(None, 1.1)]) is None
 
 
 def test_a_member_that_is_altered_already_is_left_to_a_prediction() -> None:
     predictor = quiet()
     accepted = StiffnessError(Members((3,)), 0.8)
-    foreseen = ModificationScreen(predictor.coarse_prediction([accepted]), [accepted])
-    assert foreseen.ratios([DensityError(Members((3,)), 1.1)]) is None
+    screen = ModificationScreen(predictor.coarse_prediction([accepted]), [accepted])
+    assert screen.ratios([DensityError(Members((3,)), 1.1)]) is None
 
 
 def test_residuals_of_a_ratio_are_those_of_the_prediction() -> None:
     predictor, _ = predicting(draw_measurement(rig(noise=QUIET), [ExtraMass(Dof(4, "Y"), 0.01)]))
-    glimpses = predictor.coarse_prediction([])
-    foreseen = ModificationScreen(glimpses, [])
-    same = foreseen.vectors(np.ones((1, int(glimpses.observed.fitted.sum())), complex))
-    np.testing.assert_allclose(same[0], foreseen.unmodified, atol=1e-12)
+    coarse = predictor.coarse_prediction([])
+    screen = ModificationScreen(coarse, [])
+    same = screen.vectors(np.ones((1, int(coarse.observed.fitted.sum())), complex))
+    np.testing.assert_allclose(same[0], screen.unmodified, atol=1e-12)

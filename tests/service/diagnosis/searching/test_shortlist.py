@@ -34,11 +34,11 @@ def places_of(found: Sequence[Sequence[Effect]], kind: str) -> list[object]:
 def test_places_are_told_apart_by_a_sample_of_lines_as_well(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    glimpses = looking_for(ExtraMass(Dof(6, "Y"), 0.1))
+    coarse = looking_for(ExtraMass(Dof(6, "Y"), 0.1))
     suspects = [ExtraMass(Dof(n, "Y")) for n in NODES]
-    size = int(glimpses.observed.fitted.sum()) // 5
+    size = int(coarse.observed.fitted.sum()) // 5
     monkeypatch.setattr(module, "SHORTLIST", replace(SHORTLIST, sample_size=size))
-    found = places_of(shortlist(glimpses, [], suspects, silent), "extra_mass")
+    found = places_of(shortlist(coarse, [], suspects, silent), "extra_mass")
     assert Dof(6, "Y") in found
     assert SHORTLIST.max_places <= len(found) < len(suspects)
 
@@ -60,8 +60,8 @@ def test_of_a_kind_that_is_of_no_use_one_place_is_listed() -> None:
 
 
 def test_a_sample_has_every_line_and_every_channel() -> None:
-    glimpses = looking_for(ExtraMass(Dof(6, "Y"), 0.1))
-    whole, sample = glimpses.observed.fitted, glimpses.subsampled(3).observed.fitted
+    coarse = looking_for(ExtraMass(Dof(6, "Y"), 0.1))
+    whole, sample = coarse.observed.fitted, coarse.subsampled(3).observed.fitted
     assert not (sample & ~whole).any()
     assert (sample.any(axis=0) == whole.any(axis=0)).all()
     assert (sample.any(axis=1) == whole.any(axis=1)).all()
@@ -70,19 +70,19 @@ def test_a_sample_has_every_line_and_every_channel() -> None:
 
 @pytest.mark.parametrize("every", [1, 3], ids=["all lines", "a sample"])
 @pytest.mark.parametrize("noise", [1e-4, 3e-2], ids=["little noise", "much noise"])
-def test_foreseen_residuals_of_nothing_are_those_of_the_prediction(every: int, noise: float) -> None:
+def test_residuals_without_an_effect_are_those_of_the_prediction(every: int, noise: float) -> None:
     # Noise that the channels of a run share is taken once, and large errors go without a logarithm.
     predictor, _ = predicting(draw_measurement(rig(roving=False, noise=noise)))
     sample = predictor.coarse_prediction([]).subsampled(every)
-    foreseen = ModificationScreen(sample, [])
+    screen = ModificationScreen(sample, [])
     nothing = np.ones((1, int(sample.observed.fitted.sum())), complex)
-    np.testing.assert_allclose(foreseen.vectors(nothing)[0], foreseen.unmodified, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(screen.vectors(nothing)[0], screen.unmodified, rtol=1e-9, atol=1e-9)
 
 
 def test_a_nonlinear_force_is_looked_for_at_few_places_the_right_one_among_them(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    # What is not foreseen in closed form is predicted once a place: here a spring and a dashpot.
+    # What has no closed form is predicted once a place: here a spring and a dashpot.
     monkeypatch.setattr(module, "_screened", lambda *_: None)
     for hidden in (GroundSpring(Dof(7, "Y"), 3e4), LocalDamping(Dof(3, "Y"), 20.0)):
         suspects = [replace(type(hidden)(), at=Dof(n, "Y")) for n in NODES]
