@@ -81,10 +81,8 @@ def shortlist(
             unscreened.setdefault(suspect.kind, []).append(_UnscreenedPlace(sizes, linearised))
         else:
             chosen.append(sizes)
-    useful = SCAN.useful_cost * cost.of(screen.unmodified)
     for screened_places in screened.values():
-        likely = _of_least_cost(screened_places, SHORTLIST.max_refined_places)
-        chosen += _best([_refined(screen, place, cost, useful) for place in likely], useful)
+        chosen += _best_screened(screen, screened_places, cost)
     for places in unscreened.values():
         chosen += _likely(prediction, accepted, _likely_linearised(places, predictor))
     return chosen
@@ -141,6 +139,15 @@ def _screened(
     scaled_vectors = [unmodified + share * (vectors[i] - unmodified) for i, share in scaled.items()]
     scaled_sizes = [with_amount_scaled(sizes[i], share) for i, share in scaled.items()]
     return _ScreenedPlace([*sizes, *scaled_sizes], cost.of(np.vstack([vectors, *scaled_vectors])))
+
+
+def _best_screened(
+    screen: ModificationScreen, places: Sequence[_ScreenedPlace], cost: RobustCost
+) -> list[list[Effect]]:
+    """Return the values to predict of one kind, the amounts of its likely places refined."""
+    useful = SCAN.useful_cost * cost.of(screen.unmodified)
+    likely = _of_least_cost(places, SHORTLIST.max_refined_places)
+    return _best([_refined(screen, place, cost, useful) for place in likely], useful)
 
 
 def _refined(
