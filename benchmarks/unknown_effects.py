@@ -55,7 +55,7 @@ CURVE_MODELS = {
     "fractional": {CurveModelName.POWER},
     "feedback": {CurveModelName.DELAYED_VELOCITY_FEEDBACK},
     "absorber": {CurveModelName.TWO_OSCILLATORS},
-    "gain": {CurveModelName.FIRST_ORDER_LOW_PASS, CurveModelName.FIRST_ORDER_HIGH_PASS},
+    "gain": {CurveModelName.FIRST_ORDER_LOW_PASS},
 }
 
 
@@ -135,9 +135,8 @@ def hidden(kind: str, rng: np.random.Generator, direct: FloatArray) -> Hidden:
         curve = -(mass * omega[:, None] ** 2 * own / (own - omega[:, None] ** 2)).sum(axis=1)
     else:
         at = source = RESPONSES[int(rng.choice([i for i, r in enumerate(RESPONSES) if r not in HELD_OUT]))]
-        corner = float(np.exp(rng.uniform(*np.log((20.0, 2000.0)))))
-        low_pass = 1 / (1 + 1j * FREQ / corner)
-        curve = low_pass if corner > 200.0 else 1 - low_pass
+        corner = float(np.exp(rng.uniform(*np.log((50.0, 2000.0)))))
+        curve = 1 / (1 + 1j * FREQ / corner)  # a high-pass would be an AC coupling, which the catalogue holds
     return Hidden(kind, at, source, np.asarray(curve))
 
 
