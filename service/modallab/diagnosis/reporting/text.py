@@ -92,7 +92,7 @@ def _between(members: list[int]) -> str:
 def number_text(parameter: FittedParameter) -> str:
     """Return a fitted parameter with its standard error and unit, in significant digits."""
     value, error = parameter.value, parameter.standard_error
-    unit = "" if parameter.unit == "1" else f" {parameter.unit}"
+    unit = _unit_text(parameter.unit)
     if not math.isfinite(value):
         return "needs a level"
     if not (math.isfinite(error) and error > 0):
@@ -104,9 +104,15 @@ def number_text(parameter: FittedParameter) -> str:
     return f"({text})·10{str(scale).translate(SUPERSCRIPTS)}{unit}" if scale else f"{text}{unit}"
 
 
+def _unit_text(unit: str) -> str:
+    """Return a unit behind a number, its power raised; nothing for a ratio."""
+    base, _, power = unit.partition("^")
+    return "" if unit == "1" else f" {base}{power.translate(SUPERSCRIPTS)}"
+
+
 def detection_limit_row(limit: DetectionLimit) -> tuple[str, str, str, str]:
     """Return kind and amount of an effect, and its detection limit at two places in words."""
-    unit = "" if limit.unit == "1" else f" {limit.unit}"
+    unit = _unit_text(limit.unit)
     several = limit.at != limit.least_visible_at
     return (
         limit.kind.replace("_", " "),

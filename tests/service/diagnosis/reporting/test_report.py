@@ -173,6 +173,7 @@ def test_a_page_of_many_lines_stays_small() -> None:
         (1.3, 0.0004, "1", "1.30000 ± 0.00040"),
         (1.003e-4, 1.2e-6, "1", "(1.003 ± 0.012)·10⁻⁴"),
         (0.05, 0.0, "kg", "0.05 kg"),
+        (3.239e11, 5.1e9, "N/m^3", "(3.239 ± 0.051)·10¹¹ N/m³"),
     ],
 )
 def test_a_number_has_the_digits_that_are_known(value: float, error: float, unit: str, words: str) -> None:
