@@ -124,7 +124,7 @@ def _levels(
                 break
             size /= 2
         gain_of_step = cost - new_cost
-        if not gain_of_step >= 0:  # nor is a cost without a value
+        if not gain_of_step >= 0:  # a cost that is not a number ends the fit too
             break
         force, response, cost, (steps_force, steps_response) = new_force, new_response, new_cost, new_steps
         if gain_of_step <= FREE_LEVELS.tolerance * cost:

@@ -45,7 +45,7 @@ def test_places_are_told_apart_by_a_sample_of_lines_as_well(
 
 @pytest.mark.parametrize("mass", [0.05, 0.06, 0.07])
 def test_an_amount_between_those_of_the_grid_is_listed_at_the_right_place(mass: float) -> None:
-    # Values of the grid are a factor of 1.78 apart; those that are tried last a fifth of a tenth.
+    # The grid has steps of a factor of 1.78; the last amounts that are tried are 8 % apart.
     prediction = looking_for(ExtraMass(Dof(6, "Y"), mass))
     found = shortlist(prediction, [], [ExtraMass(Dof(n, "Y")) for n in NODES], silent)
     amounts = [effect.parameters["mass"] for sizes in found for effect in sizes if effect.at == Dof(6, "Y")]
