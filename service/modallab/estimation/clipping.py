@@ -73,6 +73,8 @@ def clipped_spectra(
     scale = size[:, first] * size[:, second]
     correlation /= scale[:, None]
     distortion = scipy.fft.rfft(_distorted(correlation, _weights(c, first, second)), axis=1)[:, :n_lines]
+    # Rounding of the FFT, of either sign, may exceed what weak clipping leaves in a line.
+    distortion[..., :n_ch] = np.maximum(distortion[..., :n_ch].real, 0.0)
     gain = bussgang_gain(c)
     return _unpack(
         spectra,

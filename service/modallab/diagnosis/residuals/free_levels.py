@@ -190,8 +190,7 @@ def _coherent_parts(spectra: CrossSpectra) -> tuple[FloatArray, FloatArray, Floa
         h = np.linalg.solve(spectra.ff, spectra.fx)
         coherent = (spectra.fx.conj() * h).sum(axis=2).real.swapaxes(0, 1).reshape(n_freq, -1)
         gain = (np.abs(h) ** 2).transpose(1, 0, 3, 2).reshape(n_freq, n_run * n_out, n_in)
-    # A convolution by FFT leaves the rounding of its largest line in every line, of either sign.
-    power = np.maximum(spectra.xx.swapaxes(0, 1).reshape(coherent.shape), 0.0)
+    power = spectra.xx.swapaxes(0, 1).reshape(coherent.shape)
     return force, gain, coherent, np.maximum(power - coherent, COHERENCE_ROUNDING * power)
 
 
