@@ -105,7 +105,7 @@ def number_text(parameter: FittedParameter) -> str:
 
 
 def _unit_text(unit: str) -> str:
-    """Return a unit behind a number, its power raised; nothing for a ratio."""
+    """Return a unit as it follows a number, its exponent as a superscript; empty for a ratio."""
     base, _, power = unit.partition("^")
     return "" if unit == "1" else f" {base}{power.translate(SUPERSCRIPTS)}"
 

@@ -144,7 +144,7 @@ def _screened(
 def _best_screened(
     screen: ModificationScreen, places: Sequence[_ScreenedPlace], cost: RobustCost
 ) -> list[list[Effect]]:
-    """Return the values to predict of one kind, the amounts of its likely places refined."""
+    """Return the values of one kind to predict, with refined amounts at its likely places."""
     useful = SCAN.useful_cost * cost.of(screen.unmodified)
     likely = _of_least_cost(places, SHORTLIST.max_refined_places)
     return _best([_refined(screen, place, cost, useful) for place in likely], useful)
@@ -153,15 +153,15 @@ def _best_screened(
 def _refined(
     screen: ModificationScreen, place: _ScreenedPlace, cost: RobustCost, useful: FloatArray
 ) -> _ScreenedPlace:
-    """Return a place with amounts between those of the grid, about the best one at each inflation.
+    """Return a screened place with more amounts, about the best one at each noise inflation.
 
-    Where resonances shift by more than their bandwidths the right place is no better than others at an
-    amount that is half right.
+    Where resonances shift by more than their bandwidths the right place, at an amount 50 % off, costs no less
+    than other places.
 
     Parameters
     ----------
     useful
-        (n_inflations,) costs from which on a place is of no use.
+        (n_inflations,) costs above which a place does not improve the prediction.
     """
     for half_range, n in SHORTLIST.refinements:
         shares = np.exp(np.linspace(-half_range, half_range, n))
@@ -184,12 +184,12 @@ def _of_least_cost(places: Sequence[_ScreenedPlace], n: int) -> list[_ScreenedPl
 
 
 def _best(places: Sequence[_ScreenedPlace], useful: FloatArray) -> list[list[Effect]]:
-    """Return the values to predict at the best place of one kind, and at others that are of use.
+    """Return the values to predict at the best place of one kind, and at others that improve the prediction.
 
     Parameters
     ----------
     useful
-        (n_inflations,) costs below which a place is of use.
+        (n_inflations,) costs below which a place improves the prediction.
     """
     chosen: dict[int, list[Effect]] = {}
     for w, limit in enumerate(useful):
