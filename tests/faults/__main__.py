@@ -15,16 +15,18 @@ from pathlib import Path
 import numpy as np
 
 from tests.faults.faults import FAULTS, Fault
-from tests.faults.site import Question, Site, questions, site
+from tests.faults.site import LIMIT, Question, Site, questions, site
 
 
-def disturbed(place: Site, question: Question, fault: Fault, moment: float) -> tuple[object, float]:
+def disturbed(
+    place: Site, question: Question, fault: Fault, moment: float, limit: float = LIMIT
+) -> tuple[object, float]:
     """Return a job's result, and the seconds that it took after the fault had ended."""
     job = question.start(place.lab)
     time.sleep(moment)
     fault(place)
     ended = time.monotonic()
-    return question.result(place.lab, job), time.monotonic() - ended
+    return question.result(place.lab, job, limit), time.monotonic() - ended
 
 
 def main() -> None:

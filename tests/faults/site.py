@@ -176,9 +176,9 @@ class Question:
         """Start the job and return its id."""
         return str(lab.json("POST", self.path, self.body)["id"])
 
-    def result(self, lab: Lab, job: str) -> Any:
+    def result(self, lab: Lab, job: str, limit: float = LIMIT) -> Any:
         """Return what the job found; it has to end within the limit."""
-        ended = wait_for(lab, job)
+        ended = wait_for(lab, job, limit)
         assert ended["state"] == "succeeded", ended
         found = lab.json("GET", f"{self.path}/{ended['result_id']}")
         arrays = lab.request("GET", f"{self.path}/{ended['result_id']}/arrays") if not self.told else None
@@ -228,13 +228,13 @@ def questions(lab: Lab) -> list[Question]:
     measured = wait_for(lab, measuring.start(lab))["result_id"]
     return [
         measuring,
-        Question("/modal-models", {"measurement_id": measured, "method": "poly_reference_lscf"}, ()),
+        Question("/modal-models", {"measurement_id": measured, "method": "line_fit"}, ()),
         Question(
             "/updates",
             {
                 "structure_id": model,
                 "modal_model_id": modes,
-                "options": HARDLY | {"max_iterations": 150},
+                "options": HARDLY | {"max_iterations": 60},
             },
             ("coefficients", "frequencies", "stopped_because", "iterations"),
         ),
