@@ -13,7 +13,7 @@ from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
 from modallab.diagnosis.residuals.residual import residual
 from modallab.diagnosis.searching.robust_cost import RobustCost, line_minimum_fraction
 from modallab.diagnosis.searching.settings import LOSS, SCAN
-from modallab.diagnosis.searching.shortlist import shortlist
+from modallab.diagnosis.searching.shortlist import ListedPlace, shortlist
 from modallab.diagnosis.searching.starting_values import local_minima, smallest_amounts, with_amount_scaled
 from modallab.rig.effect import Effect
 
@@ -45,11 +45,14 @@ def scan(
     start = prediction.project_out(unmodified, 0.0)
     candidates: list[list[Effect]] = []
     costs: list[FloatArray] = []
+    refined: list[bool] = []
     for kind, places in _by_kind(listed):
         progress(0.5 + 0.5 * len(candidates) / len(listed), f"scanning {kind}")
-        for values, place_costs in _costs_at_places(prediction, places, start, cost):
+        sizes = [place.sizes for place in places]
+        for values, place_costs in _costs_at_places(prediction, sizes, start, cost):
             candidates.append(values)
             costs.append(place_costs)
+        refined += [place.refined for place in places]
     chosen: dict[tuple[int, int], StartingPoint] = {}
     for w, noise_inflation in enumerate(LOSS.noise_inflations):
         by_value = [place_costs[:, w] for place_costs in costs]
@@ -57,7 +60,10 @@ def scan(
         for i in _best_places(candidates, by_value, useful_cost):
             for best in local_minima(candidates[i], by_value[i]):
                 chosen.setdefault((i, best), StartingPoint(candidates[i][best], noise_inflation))
-    return [_with_best_amount(prediction, accepted, start, cost) for start in chosen.values()]
+    return [
+        start if refined[i] else _with_best_amount(prediction, accepted, start, cost)
+        for (i, _), start in chosen.items()
+    ]
 
 
 def _with_best_amount(
@@ -112,14 +118,15 @@ def _vector(prediction: CoarsePrediction, effects: Sequence[Effect]) -> FloatArr
     return residual(observed, prediction.predict(effects)).vector(observed.fitted)
 
 
-def _by_kind(listed: Sequence[list[Effect]]) -> Iterator[tuple[str, list[list[Effect]]]]:
+def _by_kind(listed: Sequence[ListedPlace]) -> Iterator[tuple[str, list[ListedPlace]]]:
     """Yield the kinds with their places: those of single channels together, each other place alone."""
-    of_channels: dict[str, list[list[Effect]]] = {}
-    for sizes in listed:
-        if isinstance(sizes[0].at, Channels):
-            of_channels.setdefault(sizes[0].kind, []).append(sizes)
+    of_channels: dict[str, list[ListedPlace]] = {}
+    for place in listed:
+        effect = place.sizes[0]
+        if isinstance(effect.at, Channels):
+            of_channels.setdefault(effect.kind, []).append(place)
         else:
-            yield sizes[0].kind, [sizes]
+            yield effect.kind, [place]
     yield from of_channels.items()
 
 

@@ -136,7 +136,7 @@ class ShortlistSettings(Settings):
         derived="twice those that are predicted",
     )
     refinements: tuple[tuple[float, int], ...] = setting(
-        ((0.7, 8), (0.15, 5)),
+        ((0.7, 8), (0.15, 5), (0.05, 5)),
         doc="logarithm of an amount over the best one, to either side, and the amounts tried in that range",
         derived="to the next value of the grid, then to the next of these",
     )

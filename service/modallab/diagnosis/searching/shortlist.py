@@ -22,6 +22,16 @@ from modallab.rig.frf_channel import FrfChannel
 
 
 @dataclass(frozen=True)
+class ListedPlace:
+    """Values of an effect at a place that are predicted."""
+
+    sizes: list[Effect]
+    """The values."""
+    refined: bool = False
+    """Whether their amounts are the best ones of a finer grid."""
+
+
+@dataclass(frozen=True)
 class _ScreenedPlace:
     """Values of an effect at a place with their costs."""
 
@@ -45,7 +55,7 @@ class _UnscreenedPlace:
 
 def shortlist(
     prediction: CoarsePrediction, accepted: Sequence[Effect], suspects: Sequence[Effect], progress: Progress
-) -> list[list[Effect]]:
+) -> list[ListedPlace]:
     """Return the values to predict, for each shortlisted suspect.
 
     Structural modifications at one of many places are screened in closed form, and the best places of each
@@ -63,7 +73,7 @@ def shortlist(
     worst = _worst_channels(prediction, accepted)
     observed = prediction.observed
     untested = {c for c, held_out in zip(observed.channels, observed.held_out, strict=True) if held_out}
-    chosen: list[list[Effect]] = []
+    chosen: list[ListedPlace] = []
     screened: dict[str, list[_ScreenedPlace]] = {}
     unscreened: dict[str, list[_UnscreenedPlace]] = {}
     for i, suspect in enumerate(suspects):
@@ -80,11 +90,13 @@ def shortlist(
             linearised = _linearised(screen, suspect, prediction.predictor, cost, start)
             unscreened.setdefault(suspect.kind, []).append(_UnscreenedPlace(sizes, linearised))
         else:
-            chosen.append(sizes)
+            chosen.append(ListedPlace(sizes))
     for screened_places in screened.values():
-        chosen += _best_screened(screen, screened_places, cost)
+        best = _best_screened(screen, screened_places, cost)
+        chosen += [ListedPlace(sizes, refined=True) for sizes in best]
     for places in unscreened.values():
-        chosen += _likely(prediction, accepted, _likely_linearised(places, predictor))
+        likely = _likely(prediction, accepted, _likely_linearised(places, predictor))
+        chosen += [ListedPlace(sizes) for sizes in likely]
     return chosen
 
 
