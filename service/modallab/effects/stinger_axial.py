@@ -29,7 +29,8 @@ class StingerAxial(Effect):
     """
 
     kind: ClassVar[str] = "stinger_axial"
-    summary: ClassVar[str] = "axial flexibility of the stinger: armature and structure resonate on it"
+    summary: ClassVar[str] = "armature and structure resonate on the stinger, along its axis"
+    title: ClassVar[str] = "axial flexibility of the stinger"
     stage: ClassVar[Stage] = Stage.DRIVE
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True

@@ -32,6 +32,7 @@ class StingerBending(Effect):
 
     kind: ClassVar[str] = "stinger_bending"
     summary: ClassVar[str] = "stinger restrains rotation and lateral motion of the drive point"
+    title: ClassVar[str] = "bending stiffness of the stinger"
     stage: ClassVar[Stage] = Stage.STRUCTURE
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True

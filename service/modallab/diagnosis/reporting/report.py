@@ -22,6 +22,7 @@ from modallab.diagnosis.reporting.text import (
     equivalence_statement,
     gap_reduction,
     gap_text,
+    kind_name,
     location_statements,
     next_test_text,
     parameter_rows,
@@ -53,6 +54,10 @@ LOW_PROBABILITY = (
     "another effect explained more by itself in that round; it says nothing about the combination."
 )
 COMBINATION = "No single effect explains the measurement; the named effects do so together."
+WITHIN_TOLERANCES = (
+    "What follows compares the test with model and log book as they were declared. Deviations within the "
+    "tolerances account for the differences."
+)
 TOLERANCES = (
     "These nuisance parameters were fitted within their tolerances together with the effects; they are not "
     "missing effects. The value is true over declared; for a delay, the time by which the channel lags."
@@ -125,10 +130,9 @@ def _missing_effects(diagnosis: Diagnosis) -> str:
             gap_reduction(step.gap_before, step.gap_after),
             gap_reduction(step.held_out_gap_before, step.held_out_gap_after),
         )
-        kind = effect.kind.replace("_", " ")
-        rows.append((kind, place, sizes, probability_text(step.probability), *reductions))
+        rows.append((kind_name(effect.kind), place, sizes, probability_text(step.probability), *reductions))
     kinds = dict.fromkeys(step.effect.kind for step in diagnosis.steps)
-    definitions = [f"{kind.replace('_', ' ')}: {EFFECTS[kind].summary}" for kind in kinds]
+    definitions = [f"{kind_name(kind)}: {EFFECTS[kind].summary}" for kind in kinds]
     definition_list = "".join(f"<li>{escape(text)}</li>" for text in definitions)
     notes = "".join(
         paragraph(f"{effect_name(step.effect).capitalize()}: {equivalence_statement(step)}.")
@@ -196,10 +200,13 @@ def _location(diagnosis: Diagnosis) -> str:
     sentences = [f"{text[:1].upper()}{text[1:]}." for text in location_statements(diagnosis.located)]
     items = "".join(f"<li>{escape(text)}</li>" for text in sentences)
     statements = f"<ul>{items}</ul>" if items else ""
-    heading = "Disagreement of model and measurement"
+    heading, note = "Disagreement of model and measurement", ""
     if diagnosis.verdict is Verdict.NOTHING_MISSING:
         heading = "Model and measurement agree"
-    return f"<h2>{heading}</h2>{statements}{location_drawings(diagnosis)}{_mode_shifts(diagnosis)}"
+        if diagnosis.tolerated:
+            heading, note = "Differences within the tolerances", paragraph(WITHIN_TOLERANCES)
+    drawings = f"{location_drawings(diagnosis)}{_mode_shifts(diagnosis)}"
+    return f"<h2>{heading}</h2>{note}{statements}{drawings}"
 
 
 def _mode_shifts(diagnosis: Diagnosis) -> str:

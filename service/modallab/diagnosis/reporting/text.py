@@ -35,9 +35,14 @@ CHANGES = {
 }
 
 
+def kind_name(kind: str) -> str:
+    """Return what a kind of effect is called."""
+    return EFFECTS[kind].title or kind.replace("_", " ")
+
+
 def effect_name(effect: FittedEffect | Rival | EquivalentEffect) -> str:
     """Return kind and place of an effect; an effect of the whole rig has no place."""
-    kind = effect.kind.replace("_", " ")
+    kind = kind_name(effect.kind)
     if effect.at is None:
         return f"{kind} everywhere" if EFFECTS[effect.kind].structural else kind
     if isinstance(effect.at, Channels) and kind.endswith(" channels"):
@@ -115,7 +120,7 @@ def detection_limit_row(limit: DetectionLimit) -> tuple[str, str, str, str]:
     unit = _unit_text(limit.unit)
     several = limit.at != limit.least_visible_at
     return (
-        limit.kind.replace("_", " "),
+        kind_name(limit.kind),
         limit.parameter.replace("_", " "),
         f"{_in_two_digits(limit.smallest)}{unit}{_at(limit.at)}",
         f"{_in_two_digits(limit.largest)}{unit}{_at(limit.least_visible_at)}" if several else "",
@@ -226,7 +231,7 @@ def _band(low: float, high: float) -> str:
 
 def next_test_text(test: NextTest) -> str:
     """Return the proposed further test, its reason, and the effects that it distinguishes."""
-    kinds = list(dict.fromkeys(kind.replace("_", " ") for kind in test.separates))
+    kinds = list(dict.fromkeys(kind_name(kind) for kind in test.separates))
     purpose = f" It distinguishes {enumeration(kinds)}." if kinds else ""
     if len(kinds) == 1:
         purpose = f" It distinguishes one {kinds[0]} from another."

@@ -190,7 +190,11 @@ def test_what_may_differ_a_little_stands_in_a_table_where_it_was_tolerated() -> 
     assert "delay, channel 4:+Y (-1.200 ± 0.020)·10⁻⁶ s ± 1e-06 s" in words
     assert "Parameters within tolerances" not in text_of(report(diagnosis()))
     nothing = replace(diagnosis(Verdict.NOTHING_MISSING, ()), tolerated=tolerated)
-    assert "Model and log book, within their tolerances, predict this test" in text_of(report(nothing))
+    words = text_of(report(nothing))
+    assert "Model and log book, within their tolerances, predict this test" in words
+    assert "Differences within the tolerances What follows compares the test with model and log book" in words
+    assert "Model and measurement agree" not in words
+    assert "Model and measurement agree" in text_of(report(diagnosis(Verdict.NOTHING_MISSING, ())))
 
 
 def test_of_members_that_share_a_tolerance_the_one_that_deviates_most_is_in_the_table() -> None:

@@ -16,6 +16,8 @@ from tests.rigs import dofs
     [
         ("stiffness_error", None, "stiffness error everywhere"),
         ("exciter_armature", None, "exciter armature"),
+        ("stinger_axial", None, "axial flexibility of the stinger"),
+        ("stinger_bending", Dof(4, "Y"), "bending stiffness of the stinger at 4:+Y"),
         ("extra_mass", Dof(4, "Y"), "extra mass at 4:+Y"),
         ("density_error", Members((3,)), "density error at member 3"),
         ("density_error", Members((3, 4)), "density error at members 3 and 4"),
