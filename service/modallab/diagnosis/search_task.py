@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
@@ -32,6 +33,7 @@ from modallab.fe.structure import Structure
 from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
+from modallab.rig.simulated_variance import SimulatedVariance
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +54,11 @@ class SearchTask:
     """Largest number of effects added."""
     seed: int
     """Seed of the choice of held-out FRFs."""
+
+    @cached_property
+    def _simulated(self) -> tuple[SimulatedVariance, ...]:
+        """Variance factors of simulated tests, one cache for each test: tolerances hardly change them."""
+        return tuple(SimulatedVariance() for _ in self.tests)
 
     def run(
         self, stated: Tolerances, assumed: Tolerances | None, pulse: Pulse
@@ -118,10 +125,64 @@ class SearchTask:
 
     def _start(self, tolerances: Tolerances, pulse: Pulse) -> SearchResult:
         """Return the fit under tolerances without any effect."""
-        predictor, unexplained, unmeasured = _first_prediction(
-            self.structure, self.tests, self.hold_out_fraction, self.hold_out, tolerances, self.seed, pulse
-        )
+        predictor, unexplained, unmeasured = self._first_prediction(tolerances, pulse)
         return SearchResult(predictor, SearchPath(unexplained), unmeasured)
+
+    def _first_prediction(
+        self, tolerances: Tolerances, pulse: Pulse
+    ) -> tuple[Predictor, Fit, tuple[Dof, ...]]:
+        """Return the predictor, its fit without missing effects, and the held-out responses without a test.
+
+        Only with the nuisance parameters fitted do channels with a gross error stand out; these are not held
+        out.
+        """
+        structure, first = self.structure, self.tests[0]
+        fraction, named = self.hold_out_fraction, self.hold_out
+        held_out, unmeasured = select_held_out(structure, first, fraction, named, self.seed)
+        predictor = self._predictor(held_out, tolerances, pulse)
+        start = fit(predictor, ())
+        outliers = set[FrfSelection]()
+        if any(tolerances.stated.values()):
+            roving_hammer = first.setup.roving_hammer
+            outliers = set(outlying_frfs(predictor.observed, start.residual, roving_hammer=roving_hammer))
+        asked_for, _ = select_held_out(structure, first, 0.0, named, self.seed)
+        if outliers & (set(held_out) - set(asked_for)):
+            held_out, _ = select_held_out(structure, first, fraction, named, self.seed, spared=outliers)
+            predictor = self._predictor(held_out, tolerances, pulse)
+            start = fit(predictor, ())
+        return predictor, start, unmeasured
+
+    def _predictor(self, held_out: Sequence[FrfSelection], tolerances: Tolerances, pulse: Pulse) -> Predictor:
+        """Return the predictor of all tests, with nuisance parameters free within their tolerances."""
+        structure, tests = self.structure, self.tests
+        observations = [
+            with_supported_force_noise(
+                structure, test.setup, observe(test, held_out, fraction=self.hold_out_fraction)
+            )
+            for test in tests
+        ]
+        budget = PredictionBudget(BUDGET.predictions_per_test * len(tests))
+        first = SingleTestPredictor.of(
+            structure,
+            tests[0].setup,
+            observations[0],
+            heartbeat=pulse.beat,
+            budget=budget,
+            simulated=self._simulated[0],
+        )
+        nuisances = nuisance_parameters(
+            tolerances,
+            first.system,
+            _with_all_responses([test.setup for test in tests]),
+            damping_unknown=isinstance(structure.damping, UnknownDamping),
+        )
+        first = with_visible_nuisances(first.with_nuisances(nuisances))
+        budget.scale_limit(1 + len(first.nuisances) / BUDGET.nuisance_parameters)
+        for _ in range(FIT.unknown_damping_fits if nuisances.damping_free else 0):
+            first = first.with_nuisances_at(fit(first, ()).nuisance_position)
+        others = zip(tests[1:], observations[1:], self._simulated[1:], strict=True)
+        further = [first.follow_up(test.setup, seen, simulated) for test, seen, simulated in others]
+        return JointPredictor.of([first, *further]) if further else first
 
     def _first_round(self, start: SearchResult, second: SearchResult, progress: Progress) -> list[Fit]:
         """Return the fits of single effects, best first.
@@ -192,70 +253,6 @@ def suspected(predictor: Predictor, kinds: Sequence[str] | None) -> list[Effect]
     if not suspects:
         raise InvalidInputError("no suspect is left", field="suspects", allowed=list(EFFECTS))
     return suspects
-
-
-def _first_prediction(
-    structure: Structure,
-    tests: Sequence[Measurement],
-    hold_out_fraction: float,
-    hold_out: Sequence[Dof],
-    tolerances: Tolerances,
-    seed: int,
-    pulse: Pulse,
-) -> tuple[Predictor, Fit, tuple[Dof, ...]]:
-    """Return the predictor, its fit without missing effects, and the held-out responses without a test.
-
-    Only with the nuisance parameters fitted do channels with a gross error stand out; these are not held out.
-    """
-    first = tests[0]
-    held_out, unmeasured = select_held_out(structure, first, hold_out_fraction, hold_out, seed)
-    predictor = _predictor(structure, tests, held_out, hold_out_fraction, tolerances, pulse)
-    start = fit(predictor, ())
-    outliers = set[FrfSelection]()
-    if any(tolerances.stated.values()):
-        frfs = outlying_frfs(predictor.observed, start.residual, roving_hammer=first.setup.roving_hammer)
-        outliers = set(frfs)
-    named, _ = select_held_out(structure, first, 0.0, hold_out, seed)
-    if outliers & (set(held_out) - set(named)):
-        held_out, _ = select_held_out(structure, first, hold_out_fraction, hold_out, seed, spared=outliers)
-        predictor = _predictor(structure, tests, held_out, hold_out_fraction, tolerances, pulse)
-        start = fit(predictor, ())
-    return predictor, start, unmeasured
-
-
-def _predictor(
-    structure: Structure,
-    tests: Sequence[Measurement],
-    held_out: Sequence[FrfSelection],
-    fraction: float,
-    tolerances: Tolerances,
-    pulse: Pulse,
-) -> Predictor:
-    """Return the predictor of all tests, with nuisance parameters free within their tolerances."""
-    observations = [
-        with_supported_force_noise(structure, test.setup, observe(test, held_out, fraction=fraction))
-        for test in tests
-    ]
-    budget = PredictionBudget(BUDGET.predictions_per_test * len(tests))
-    first = SingleTestPredictor.of(
-        structure, tests[0].setup, observations[0], heartbeat=pulse.beat, budget=budget
-    )
-    all_responses = _with_all_responses([test.setup for test in tests])
-    nuisances = nuisance_parameters(
-        tolerances,
-        first.system,
-        all_responses,
-        damping_unknown=isinstance(structure.damping, UnknownDamping),
-    )
-    first = with_visible_nuisances(first.with_nuisances(nuisances))
-    budget.scale_limit(1 + len(first.nuisances) / BUDGET.nuisance_parameters)
-    for _ in range(FIT.unknown_damping_fits if nuisances.damping_free else 0):
-        first = first.with_nuisances_at(fit(first, ()).nuisance_position)
-    follow_up_predictors = [
-        first.follow_up(test.setup, observed)
-        for test, observed in zip(tests[1:], observations[1:], strict=True)
-    ]
-    return JointPredictor.of([first, *follow_up_predictors]) if follow_up_predictors else first
 
 
 def _with_all_responses(setups: Sequence[RigSetup]) -> RigSetup:

@@ -25,6 +25,8 @@ from modallab.rig.chain import chain
 from modallab.rig.effect import Effect
 from modallab.rig.measure import measurement_of
 from modallab.rig.sampled import sampled_spectra
+from modallab.rig.simulated_variance import SimulatedVariance
+from modallab.rig.spectrum_settings import SIMULATED_VARIANCE
 from tests.diagnosing import draw_measurement, model, predicting, rig
 
 pytestmark = pytest.mark.no_cover  # slow; fast tests reach the same lines
@@ -91,6 +93,16 @@ def test_the_stated_error_of_a_cubic_spring_holds_though_its_distortion_comes_in
         off.append((fitted - CUBIC.stiffness) / found.errors[0]["stiffness"])
     # the error itself is known from four tests: three such ratios are within this nine times in ten
     assert np.sqrt(np.mean(np.square(off))) < 2.0
+
+
+def test_simulated_tests_serve_every_predictor_of_a_test() -> None:
+    """One search follows another under other tolerances: the same force is stepped through time once."""
+    test, known = draw_measurement(rig(roving=False, kind="random"), [CUBIC]), SimulatedVariance()
+    observed = observe(test, (), fraction=0.0)
+    for _ in range(2):
+        predictor = SingleTestPredictor.of(model(), test.setup, observed, simulated=known)
+        predictor.with_intermittent_errors([CUBIC])
+    assert known.n_simulated == SIMULATED_VARIANCE.n_stepped_tests
 
 
 def test_wider_errors_pay_for_what_they_forgive() -> None:
