@@ -83,7 +83,7 @@ class SearchTask:
         found = self._search_from(first, 1, pulse, single_effects)
         if nothing_missing:
             return (second, assumed) if found.unexplained_parts else (found, None)
-        if "frf" not in found.unexplained_parts or is_prediction_error(found.predictor, found.path):
+        if _is_final(found):
             return found, None
         return self._search_further(first, second, found, single_effects, assumed, pulse)
 
@@ -113,7 +113,7 @@ class SearchTask:
             budget.scale_limit(BUDGET.first_search)
             if not budget.exhausted:
                 found = self._search_from(first, self.max_effects, part(pulse, 0.5, 0.75), single_effects)
-                if "frf" not in found.unexplained_parts:
+                if _is_final(found):
                     return found, None
                 if (path := refitted_path(found.path, second)) is not None:
                     return replace(second, path=path), assumed
@@ -226,6 +226,11 @@ class SearchTask:
     def _suspects(self, predictor: Predictor) -> Suspects:
         least_suspicion = DIAGNOSIS.least_suspicion if self.suspects is None else 0.0
         return Suspects(suspected(predictor, self.suspects), least_suspicion)
+
+
+def _is_final(found: SearchResult) -> bool:
+    """Return whether the FRFs are explained as far as predictions go: no other tolerances are tried."""
+    return "frf" not in found.unexplained_parts or is_prediction_error(found.predictor, found.path)
 
 
 def suspected(predictor: Predictor, kinds: Sequence[str] | None) -> list[Effect]:

@@ -119,6 +119,17 @@ def test_effects_far_larger_than_the_tolerances_are_searched_once(monkeypatch: p
     assert set(nuisances) == {0}
 
 
+def test_an_error_of_predictions_is_not_searched_under_assumed_tolerances(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A pair with a strong nonlinear force leaves more than random error, and took a second search."""
+    monkeypatch.setattr(search_task, "is_prediction_error", lambda _, path: len(path.steps) > 1)
+    error, gain = StiffnessError(Members((3,)), 0.6), GainError(Channels((rig().responses[0],)), 1.4)
+    found = diagnosed(INEXACT, error, gain, max_effects=2)
+    assert {step.effect.kind for step in found.steps} == {error.kind, gain.kind}
+    assert not found.tolerated
+
+
 def test_a_second_search_that_ends_worse_than_the_first_does_not_count(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
