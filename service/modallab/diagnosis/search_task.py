@@ -83,7 +83,7 @@ class SearchTask:
         found = self._search_from(first, 1, pulse, single_effects)
         if nothing_missing:
             return (second, assumed) if found.unexplained_parts else (found, None)
-        if _is_final(found):
+        if _explains_frfs(found):
             return found, None
         return self._search_further(first, second, found, single_effects, assumed, pulse)
 
@@ -113,7 +113,7 @@ class SearchTask:
             budget.scale_limit(BUDGET.first_search)
             if not budget.exhausted:
                 found = self._search_from(first, self.max_effects, part(pulse, 0.5, 0.75), single_effects)
-                if _is_final(found):
+                if _explains_frfs(found):
                     return found, None
                 if (path := refitted_path(found.path, second)) is not None:
                     return replace(second, path=path), assumed
@@ -137,17 +137,17 @@ class SearchTask:
         out.
         """
         structure, first = self.structure, self.tests[0]
-        fraction, named = self.hold_out_fraction, self.hold_out
-        held_out, unmeasured = select_held_out(structure, first, fraction, named, self.seed)
+        fraction, dofs = self.hold_out_fraction, self.hold_out
+        held_out, unmeasured = select_held_out(structure, first, fraction, dofs, self.seed)
         predictor = self._predictor(held_out, tolerances, pulse)
         start = fit(predictor, ())
         outliers = set[FrfSelection]()
         if any(tolerances.stated.values()):
             roving_hammer = first.setup.roving_hammer
             outliers = set(outlying_frfs(predictor.observed, start.residual, roving_hammer=roving_hammer))
-        asked_for, _ = select_held_out(structure, first, 0.0, named, self.seed)
-        if outliers & (set(held_out) - set(asked_for)):
-            held_out, _ = select_held_out(structure, first, fraction, named, self.seed, spared=outliers)
+        of_dofs, _ = select_held_out(structure, first, 0.0, dofs, self.seed)
+        if outliers & (set(held_out) - set(of_dofs)):
+            held_out, _ = select_held_out(structure, first, fraction, dofs, self.seed, spared=outliers)
             predictor = self._predictor(held_out, tolerances, pulse)
             start = fit(predictor, ())
         return predictor, start, unmeasured
@@ -163,12 +163,7 @@ class SearchTask:
         ]
         budget = PredictionBudget(BUDGET.predictions_per_test * len(tests))
         first = SingleTestPredictor.of(
-            structure,
-            tests[0].setup,
-            observations[0],
-            heartbeat=pulse.beat,
-            budget=budget,
-            simulated=self._simulated[0],
+            structure, tests[0].setup, observations[0], heartbeat=pulse.beat, budget=budget
         )
         nuisances = nuisance_parameters(
             tolerances,
@@ -180,9 +175,15 @@ class SearchTask:
         budget.scale_limit(1 + len(first.nuisances) / BUDGET.nuisance_parameters)
         for _ in range(FIT.unknown_damping_fits if nuisances.damping_free else 0):
             first = first.with_nuisances_at(fit(first, ()).nuisance_position)
-        others = zip(tests[1:], observations[1:], self._simulated[1:], strict=True)
-        further = [first.follow_up(test.setup, seen, simulated) for test, seen, simulated in others]
-        return JointPredictor.of([first, *further]) if further else first
+        follow_ups = [
+            first.follow_up(test.setup, observed)
+            for test, observed in zip(tests[1:], observations[1:], strict=True)
+        ]
+        predictors = [
+            replace(predictor, simulated=simulated)
+            for predictor, simulated in zip([first, *follow_ups], self._simulated, strict=True)
+        ]
+        return JointPredictor.of(predictors) if follow_ups else predictors[0]
 
     def _first_round(self, start: SearchResult, second: SearchResult, progress: Progress) -> list[Fit]:
         """Return the fits of single effects, best first.
@@ -228,8 +229,8 @@ class SearchTask:
         return Suspects(suspected(predictor, self.suspects), least_suspicion)
 
 
-def _is_final(found: SearchResult) -> bool:
-    """Return whether the FRFs are explained as far as predictions go: no other tolerances are tried."""
+def _explains_frfs(found: SearchResult) -> bool:
+    """Return whether random error, or an error of predictions, is all that the effects leave in the FRFs."""
     return "frf" not in found.unexplained_parts or is_prediction_error(found.predictor, found.path)
 
 

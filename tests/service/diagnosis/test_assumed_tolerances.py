@@ -11,7 +11,7 @@ from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members
 from modallab.diagnosis import assumed_tolerances, search_task
 from modallab.diagnosis.diagnose import diagnose_with_options
-from modallab.diagnosis.fitting.fit import Fit
+from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.optimisation.tolerance_effects import MemberTolerance
 from modallab.diagnosis.optimisation.tolerances import TolerancePreset
 from modallab.diagnosis.options import DiagnosisOptions
@@ -117,6 +117,19 @@ def test_effects_far_larger_than_the_tolerances_are_searched_once(monkeypatch: p
     }
     assert found.tolerated
     assert set(nuisances) == {0}
+
+
+def test_searches_under_both_tolerances_share_simulated_tests(monkeypatch: pytest.MonkeyPatch) -> None:
+    predictors: list[Any] = []
+
+    def recorded(predictor: Predictor, *given: Any, **options: Any) -> Fit:
+        predictors.append(predictor)
+        return fit(predictor, *given, **options)
+
+    monkeypatch.setattr(search_task, "fit", recorded)
+    diagnosed(INEXACT)
+    assert len({len(predictor.nuisances) for predictor in predictors}) == 2  # of stated, of assumed ones
+    assert len({id(predictor.simulated) for predictor in predictors}) == 1
 
 
 def test_an_error_of_predictions_is_not_searched_under_assumed_tolerances(

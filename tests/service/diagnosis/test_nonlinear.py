@@ -100,8 +100,8 @@ def test_simulated_tests_serve_every_predictor_of_a_test() -> None:
     test, known = draw_measurement(rig(roving=False, kind="random"), [CUBIC]), SimulatedVariance()
     observed = observe(test, (), fraction=0.0)
     for _ in range(2):
-        predictor = SingleTestPredictor.of(model(), test.setup, observed, simulated=known)
-        predictor.with_intermittent_errors([CUBIC])
+        predictor = SingleTestPredictor.of(model(), test.setup, observed)
+        replace(predictor, simulated=known).with_intermittent_errors([CUBIC])
     assert known.n_simulated == SIMULATED_VARIANCE.n_stepped_tests
 
 

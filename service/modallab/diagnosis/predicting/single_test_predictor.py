@@ -76,37 +76,17 @@ class SingleTestPredictor:
         *,
         heartbeat: Callable[[], None] = no_heartbeat,
         budget: PredictionBudget | None = None,
-        simulated: SimulatedVariance | None = None,
     ) -> "SingleTestPredictor":
-        """Return the predictor of a first test.
-
-        Parameters
-        ----------
-        simulated
-            Variance factors of the same test that are known; None: none is.
-        """
+        """Return the predictor of a first test."""
         model, setup = DeviatingModel.of(structure), with_measured_level(setup, observed)
-        counted, known = budget or PredictionBudget(), simulated or SimulatedVariance()
-        return cls(model, setup, observed, heartbeat, counted, known)._with_expected_force_noise()
+        predictor = cls(model, setup, observed, heartbeat, budget or PredictionBudget())
+        return predictor._with_expected_force_noise()
 
-    def follow_up(
-        self, setup: RigSetup, observed: Observed, simulated: SimulatedVariance | None = None
-    ) -> "SingleTestPredictor":
-        """Return the predictor of a further test, with the same model and effects named as in this one.
-
-        Parameters
-        ----------
-        simulated
-            As in `of`.
-        """
+    def follow_up(self, setup: RigSetup, observed: Observed) -> "SingleTestPredictor":
+        """Return the predictor of a further test, with the same model and effects named as in this one."""
+        own, first = with_measured_level(setup, observed), self.setup
         predictor = SingleTestPredictor(
-            self.model,
-            with_measured_level(setup, observed),
-            observed,
-            self.heartbeat,
-            self.budget,
-            simulated or SimulatedVariance(),
-            first_setup=self.setup,
+            self.model, own, observed, self.heartbeat, self.budget, first_setup=first
         )
         return predictor._with_expected_force_noise()
 

@@ -36,7 +36,7 @@ CHANGES = {
 
 
 def kind_name(kind: str) -> str:
-    """Return what a kind of effect is called."""
+    """Return the name of a kind of effect in words."""
     return EFFECTS[kind].title or kind.replace("_", " ")
 
 

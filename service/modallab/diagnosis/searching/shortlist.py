@@ -38,6 +38,8 @@ class _ScreenedPlace:
     sizes: list[Effect]
     costs: FloatArray
     """(n_sizes, n_inflations)."""
+    refined: bool = False
+    """Whether amounts of a finer grid are among the values."""
 
     def best(self, inflation: int) -> Effect:
         """Return the value of least cost at a noise inflation."""
@@ -92,8 +94,7 @@ def shortlist(
         else:
             chosen.append(ListedPlace(sizes))
     for screened_places in screened.values():
-        best = _best_screened(screen, screened_places, cost)
-        chosen += [ListedPlace(sizes, refined=True) for sizes in best]
+        chosen += _best_screened(screen, screened_places, cost)
     for places in unscreened.values():
         likely = _likely(prediction, accepted, _likely_linearised(places, predictor))
         chosen += [ListedPlace(sizes) for sizes in likely]
@@ -155,7 +156,7 @@ def _screened(
 
 def _best_screened(
     screen: ModificationScreen, places: Sequence[_ScreenedPlace], cost: RobustCost
-) -> list[list[Effect]]:
+) -> list[ListedPlace]:
     """Return the values of one kind to predict, with refined amounts at its likely places."""
     useful = SCAN.useful_cost * cost.of(screen.unmodified)
     likely = _of_least_cost(places, SHORTLIST.max_refined_places)
@@ -185,7 +186,7 @@ def _refined(
             sizes = [with_amount_scaled(centre, float(share)) for share in shares]
             if (ratios := screen.ratios(sizes)) is not None:
                 costs = np.vstack([place.costs, cost.of(screen.vectors(ratios))])
-                place = _ScreenedPlace([*place.sizes, *sizes], costs)
+                place = _ScreenedPlace([*place.sizes, *sizes], costs, refined=True)
     return place
 
 
@@ -195,7 +196,7 @@ def _of_least_cost(places: Sequence[_ScreenedPlace], n: int) -> list[_ScreenedPl
     return [places[i] for i in np.unique(np.argsort(costs, axis=0)[:n])]
 
 
-def _best(places: Sequence[_ScreenedPlace], useful: FloatArray) -> list[list[Effect]]:
+def _best(places: Sequence[_ScreenedPlace], useful: FloatArray) -> list[ListedPlace]:
     """Return the values to predict at the best place of one kind, and at others that improve the prediction.
 
     Parameters
@@ -211,7 +212,7 @@ def _best(places: Sequence[_ScreenedPlace], useful: FloatArray) -> list[list[Eff
             best = places[i].best(w)
             if best not in chosen.setdefault(i, []):
                 chosen[i].append(best)
-    return list(chosen.values())
+    return [ListedPlace(sizes, places[i].refined) for i, sizes in chosen.items()]
 
 
 def _likely(
