@@ -103,8 +103,8 @@ def enlarged(curves: DiagnosisCurves, *, added: bool) -> str:
     pictures = []
     for quantity in (_magnitude(section, i, valid), _phase(section, i, valid)):
         frame = replace(quantity.frame, x=frequency_axis, height=230.0)
-        marks = [svg.line(frame, section.freq, quantity.before, "before")]
-        marks += [svg.line(frame, section.freq, quantity.after, "after")] if added else []
+        marks = [svg.line(frame, section.freq, quantity.unbroken(quantity.before), "before")]
+        marks += [svg.line(frame, section.freq, quantity.unbroken(quantity.after), "after")] if added else []
         marks += [
             svg.spans(frame, section.freq, quantity.low, quantity.high, "bar"),
             svg.dots(frame, section.freq, quantity.measured, "dot"),
@@ -136,6 +136,14 @@ class _Quantity:
         self.low, self.high = (self.measured + offset for offset in error)
         self.frame = svg.Frame(svg.linear(0.0, 1.0, ""), _axis_of(name, curves, known))
 
+    def unbroken(self, curve: FloatArray) -> FloatArray:
+        """Return a curve with nan where a phase jumps by a turn, so that no line is drawn there."""
+        if self.name != "phase":
+            return curve
+        broken = curve.copy()
+        broken[_turns(curve)] = np.nan
+        return broken
+
 
 def _known(curves: FrfCurves) -> BoolArray:
     # Where the source has no power a measured FRF is noise, and a predicted one 0.
@@ -145,8 +153,9 @@ def _known(curves: FrfCurves) -> BoolArray:
 def _axis_of(name: str, curves: Sequence[FloatArray], known: BoolArray) -> svg.Axis:
     """Return the axis of phases, or that of magnitudes at the lines at which they are known."""
     if name == "phase":
-        quarters = tuple((float(a), f"{a}") for a in (-180, -90, 0, 90, 180))
-        return svg.Axis(-190.0, 190.0, quarters, "phase, degrees")
+        start = _phase_start(curves[0])
+        quarters = tuple((start + 90.0 * i, f"{start + 90 * i:.0f}") for i in range(5))
+        return svg.Axis(start - 10.0, start + 370.0, quarters, "phase, degrees")
     levels = np.concatenate([curve[known] for curve in curves])
     levels = levels[np.isfinite(levels)] if np.isfinite(levels).any() else np.zeros(1)
     low, high = np.floor(levels.min() / 5) * 5, np.ceil((levels.max() + 0.1) / 5) * 5
@@ -170,6 +179,8 @@ def _phase(curves: FrfCurves, i: int, valid: BoolArray) -> _Quantity:
         np.where(valid, np.degrees(np.angle(values[:, i])), np.nan)
         for values in (curves.measured, curves.before, curves.after)
     ]
+    start = _phase_start(phases[0])
+    phases = [(phase - start) % 360 + start for phase in phases]
     return _Quantity("phase", (phases[0], phases[1], phases[2]), (-error, error), _known(curves)[:, i])
 
 
@@ -184,8 +195,7 @@ def _channel(curves: FrfCurves, i: int, reason: str, added: bool) -> str:
         )  # the residual chart below has the frequency labels
         bundle = [quantity.measured, quantity.before, quantity.after, quantity.low, quantity.high]
         x, (measured, initial, final, low, high) = svg.thinned(curves.freq, bundle, DRAWING.curve_points)
-        if quantity.name == "phase":
-            measured, initial, final = map(_with_breaks, (measured, initial, final))
+        measured, initial, final = map(quantity.unbroken, (measured, initial, final))
         marks = [
             svg.area(frame, x, low, high, "noise") if quantity.name == "magnitude" else "",
             svg.line(frame, x, initial, "before"),
@@ -198,12 +208,17 @@ def _channel(curves: FrfCurves, i: int, reason: str, added: bool) -> str:
     return f"<figure>{''.join(pictures)}<figcaption>{escape(caption)}</figcaption></figure>"
 
 
-def _with_breaks(phase: FloatArray) -> FloatArray:
-    """Return a phase in degrees with nan where it jumps between -180 and 180, so that no line is drawn."""
-    jumps = np.flatnonzero(np.abs(np.diff(phase)) > 180)
-    broken = phase.copy()
-    broken[jumps] = np.nan
-    return broken
+def _phase_start(phase: FloatArray) -> float:
+    """Return the start, degrees, of the turn in which a measured phase jumps least: -180 or -90.
+
+    Noise about 180 degrees would otherwise cross the whole chart at every other line.
+    """
+    return min((-180.0, -90.0), key=lambda start: len(_turns((phase - start) % 360)))
+
+
+def _turns(phase: FloatArray) -> IntArray:
+    """Return the indices of the lines before a jump by more than half a turn."""
+    return np.flatnonzero(np.abs(np.diff(phase)) > 180)
 
 
 def _errors(curves: FrfCurves, i: int, valid: BoolArray, name: str, added: bool) -> str:

@@ -66,6 +66,17 @@ def test_a_phase_does_not_jump_across_the_drawing() -> None:
                 assert np.abs(np.diff(heights)).max(initial=0) < 50  # 180 of 380 degrees in 90 units
 
 
+def test_a_noisy_phase_about_180_degrees_stays_in_one_piece() -> None:
+    found = curves()
+    scatter = np.random.default_rng(1).normal(0, 0.1, found.measured.shape)
+    opposite = replace(found, measured=-np.abs(found.measured) * np.exp(1j * scatter))
+    page = ET.fromstring(f"<div>{all_curves(opposite, added=True)}</div>")
+    phases = [one for one in page.iter("svg") if "phase" in one.get("aria-label", "")]
+    paths = [path for drawing in phases for path in drawing.iter("path") if path.get("class") == "measured"]
+    assert paths
+    assert all(path.get("d", "").count("M") == 1 for path in paths)
+
+
 def test_a_difference_that_no_curve_shows_is_drawn_as_a_ratio_in_per_cent_and_degrees() -> None:
     found = curves(401)
     delayed = found.after.copy()
