@@ -28,6 +28,7 @@ class DampingLaw(Effect):
 
     kind: ClassVar[str] = "damping_law"
     summary: ClassVar[str] = "viscous damping that the model has as structural, or the reverse"
+    title: ClassVar[str] = "damping of another law than modelled"
     stage: ClassVar[Stage] = Stage.STRUCTURE
     structural: ClassVar[bool] = True
     same_in_all_runs: ClassVar[bool] = True

@@ -25,6 +25,7 @@ class Drift(Effect):
 
     kind: ClassVar[str] = "drift"
     summary: ClassVar[str] = "stiffness changes between the runs of a test, as with temperature"
+    title: ClassVar[str] = "drift of the stiffness between runs"
     stage: ClassVar[Stage] = Stage.STRUCTURE
     structural: ClassVar[bool] = True
     change: float = parameter(

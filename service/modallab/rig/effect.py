@@ -47,7 +47,7 @@ class Effect(Parameterised):
 
     kind: ClassVar[str]
     summary: ClassVar[str]
-    title: ClassVar[str] = ""  # its name in reports; empty: the words of its kind
+    title: ClassVar[str] = ""  # its whole name in reports; empty: the words of its kind
     stage: ClassVar[Stage]
     structural: ClassVar[bool] = False  # True: it belongs to the model, else to the log book
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType,)  # what `at` may be

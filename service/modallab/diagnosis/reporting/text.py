@@ -42,9 +42,9 @@ def kind_name(kind: str) -> str:
 
 def effect_name(effect: FittedEffect | Rival | EquivalentEffect) -> str:
     """Return kind and place of an effect; an effect of the whole rig has no place."""
-    kind = kind_name(effect.kind)
+    kind, cls = kind_name(effect.kind), EFFECTS[effect.kind]
     if effect.at is None:
-        return f"{kind} everywhere" if EFFECTS[effect.kind].structural else kind
+        return f"{kind} everywhere" if cls.structural and not cls.title else kind
     if isinstance(effect.at, Channels) and kind.endswith(" channels"):
         return f"{kind.removesuffix(' channels')} {place_name(effect.at)}"
     return f"{kind} {'of' if isinstance(effect.at, Channels) else 'at'} {place_name(effect.at)}"
