@@ -12,7 +12,7 @@ from modallab.core.numerics import SAFE_DIVISOR
 from modallab.core.place import Channels, Dofs, Members
 from modallab.core.progress import Progress
 from modallab.diagnosis.fitting.fit import Fit
-from modallab.diagnosis.optimisation.least_squares import BoundedQuadratic
+from modallab.diagnosis.optimisation.bounded_quadratic import BoundedQuadratic
 from modallab.diagnosis.optimisation.linear_nuisances import LinearNuisances
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.residual import gap_errors, residual

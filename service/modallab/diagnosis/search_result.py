@@ -6,7 +6,7 @@ from functools import cached_property
 from modallab.core.dof import Dof
 from modallab.diagnosis.fitting.fit import Fit, fit, with_optional_parameters
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.searching.acceptance import unexplained_parts
+from modallab.diagnosis.searching.acceptance import is_noise_only, unexplained_parts
 from modallab.diagnosis.searching.search_path import SearchPath
 from modallab.rig.effect import Effect
 
@@ -33,6 +33,10 @@ class SearchResult:
             found = fit(self.predictor, effects, near=self.path.fit)
             self._fits[effects] = with_optional_parameters(self.predictor, found, self.path.fit)
         return self._fits[effects]
+
+    def explains(self, effects: tuple[Effect, ...]) -> bool:
+        """Return whether effects, fitted from there, leave random error alone."""
+        return is_noise_only(self.predictor, self.with_effects(effects))
 
     @cached_property
     def _fits(self) -> dict[tuple[Effect, ...], Fit]:

@@ -24,7 +24,7 @@ from modallab.diagnosis.residuals.frf_selection import FrfSelection
 from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.search_result import SearchResult
 from modallab.diagnosis.searching.acceptance import is_noise_only
-from modallab.diagnosis.searching.search import is_prediction_error, search
+from modallab.diagnosis.searching.search import Explains, is_prediction_error, search
 from modallab.diagnosis.searching.search_path import SearchPath
 from modallab.diagnosis.searching.search_round import Suspects, fit_candidates
 from modallab.diagnosis.settings import DIAGNOSIS
@@ -112,7 +112,8 @@ class SearchTask:
             budget = first.predictor.budget
             budget.scale_limit(BUDGET.first_search)
             if not budget.exhausted:
-                found = self._search_from(first, self.max_effects, part(pulse, 0.5, 0.75), single_effects)
+                stage = part(pulse, 0.5, 0.75)
+                found = self._search_from(first, self.max_effects, stage, single_effects, second.explains)
                 if _explains_frfs(found):
                     return found, None
                 if (path := refitted_path(found.path, second)) is not None:
@@ -196,7 +197,7 @@ class SearchTask:
         """
 
         def explains(single: Fit) -> bool:
-            return is_noise_only(second.predictor, second.with_effects(single.effects))
+            return second.explains(single.effects)
 
         return fit_candidates(
             start.predictor,
@@ -212,6 +213,7 @@ class SearchTask:
         max_effects: int,
         progress: Progress,
         first_round: Sequence[Fit] | None = None,
+        explains: Explains | None = None,
     ) -> SearchResult:
         """Return the result of a search from the fit without any effect."""
         path = search(
@@ -221,6 +223,7 @@ class SearchTask:
             max_effects=max_effects,
             progress=progress,
             first_round=first_round,
+            explains=explains,
         )
         return replace(start, path=path)
 

@@ -100,7 +100,8 @@ def attached_variants(
     outputs_of, inputs_of
         (n, n_out) and (n, n_in) for each variant, of one width each.
     """
-    common, specific = split_common(systems)
+    common, parts = split_common(systems)
+    specific = _with_motions_once(parts)
     loaded = condense_if_cheaper(replace(systems[0], attachments=common), len(omega))
     response = loaded.base_modes(float(omega.real.max()) / (2 * np.pi)).at(omega)
     stacks = [stacked_columns(len(inputs_of[0]), attachments) for attachments in specific]
@@ -126,6 +127,24 @@ def attached_variants(
         return bare
     z = np.array([attached_stiffness(attachments, response.omega) for attachments in specific])
     return _woodbury(bare, z)
+
+
+def _with_motions_once(variants: Sequence[tuple[Attachment, ...]]) -> Sequence[tuple[Attachment, ...]]:
+    """Return the attachments of each variant, those that share motions merged.
+
+    The Woodbury identity has fewer unknowns then. As they are where merged ones would have different numbers
+    of columns, which cannot be stacked.
+    """
+    if len(variants[0]) < 2 or not _repeats_a_motion(variants[0]):
+        return variants
+    merged_variants = [merged(attachments) for attachments in variants]
+    widths = {sum(a.columns.shape[1] for a in attachments) for attachments in merged_variants}
+    return merged_variants if len(widths) == 1 else variants
+
+
+def _repeats_a_motion(attachments: Sequence[Attachment]) -> bool:
+    columns = [column.tobytes() for a in attachments for column in a.columns.T]
+    return len(set(columns)) < len(columns)
 
 
 def _attached_pairs(

@@ -145,6 +145,18 @@ def test_a_variant_may_carry_again_what_all_carry(first: int) -> None:
     np.testing.assert_allclose(found, wanted, rtol=1e-6)  # as above
 
 
+def test_masses_in_one_place_are_one_mass() -> None:
+    system = assemble(STRUCTURES["chapter-5-beam"]())
+    nodes, omega = (5, 9), 2 * np.pi * FREQ
+    twice = [system.add_mass(node, 0.02).add_mass(node, 0.01) for node in nodes]
+    at = [system.selection((Dof(node, "Y"), Dof(1, "Y"))) for node in nodes]
+    found = attached_variants(twice, omega, at, at)
+    once = attached_variants([system.add_mass(node, 0.03) for node in nodes], omega, at, at)
+    np.testing.assert_allclose(found, once, rtol=1e-12)  # the same equations
+    wanted = [direct_receptance(variant, FREQ, a, a) for variant, a in zip(twice, at, strict=True)]
+    np.testing.assert_allclose(found, wanted, rtol=1e-6)  # as above
+
+
 @pytest.mark.parametrize("coupled", [False, True], ids=["masses alone", "what couples motions too"])
 def test_many_attachments_at_few_frequencies_are_not_folded_and_give_the_direct_solution(
     coupled: bool,

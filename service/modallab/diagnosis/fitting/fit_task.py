@@ -137,14 +137,16 @@ def minimised(task: FitTask, max_chi_square: float) -> tuple[FloatArray, FloatAr
             return attempt.position, attempt.jacobian[: len(attempt.vector) - len(task.free)]
     if not len(parameters):
         _approach(minimum, task)
+    near_noise = FIT.near_noise * len(minimum.vector)
     minimum.minimise(
         evaluations=FIT.max_evaluations,
         tolerance=FIT.coarse_tolerance + tolerated,
         excess_share=FIT.excess_share,
         # Where an effect is fitted too, steps with corrected derivatives may end before they reach the data.
         corrections=1 if len(parameters) else _corrections(task),
+        goal=near_noise,
     )
-    if float(minimum.vector @ minimum.vector) < FIT.near_noise * len(minimum.vector):
+    if float(minimum.vector @ minimum.vector) < near_noise:
         if minimum.corrections > FIT.max_corrections:
             minimum.renew()
         for _ in range(FIT.max_continuations):
@@ -153,6 +155,9 @@ def minimised(task: FitTask, max_chi_square: float) -> tuple[FloatArray, FloatAr
                 tolerance=FIT.tolerance + tolerated,
                 excess_share=0.0 if len(parameters) else FIT.excess_share_without_effects,
                 prediction_error=FIT.prediction_error,
+                corrections=_corrections(task),
+                partial_renewals=False,
+                poor_steps=FIT.poor_steps,
             )
             if converged:
                 break

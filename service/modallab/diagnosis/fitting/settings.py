@@ -80,6 +80,12 @@ class FitSettings(Settings):
         doc="corrections of derivatives above which a fit near the data renews them",
         tuned="a tolerated test with 103 nuisance parameters: chi-square 20 above its minimum after 12",
     )
+    poor_steps: int = setting(
+        2,
+        unit="evaluations",
+        doc="poor steps in a row of a fit near the data before the derivatives are renewed",
+        derived="a curved valley needs a shorter step, and a renewal costs as much as a hundred",
+    )
     coarse_evaluations: int = setting(
         4, unit="evaluations", doc="evaluations of a coarse fit at each noise inflation", tuned=TESTS
     )

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import scipy
 
-from modallab.core.arrays import BoolArray, FloatArray
+from modallab.core.arrays import FloatArray
 from modallab.core.errors import InvalidInputError
 from modallab.core.numerics import PRODUCT_ROUNDING
 from modallab.diagnosis.optimisation.settings import DIFFERENCE, LEAST_SQUARES
@@ -54,10 +54,11 @@ class BoundedGaussNewton:
         self.jacobian = self._differentiate(self.position, self.vector)
         self._metric = self.jacobian.T @ self.jacobian
         self.corrections = self._recent_corrections = self._n_partial = 0
+        self._cost_at_renewal = self._cost(self.vector, None)
 
-    def _renew_some(self) -> None:
+    def _renew(self, partial: bool) -> None:
         """Compute the first columns of the derivatives, or all where they were renewed often enough."""
-        if self._differentiate_first is None or self._n_partial >= self._partial_renewals:
+        if not partial or self._differentiate_first is None or self._n_partial >= self._partial_renewals:
             self.renew()
             return
         columns = self._differentiate_first(self.position, self.vector)
@@ -76,10 +77,14 @@ class BoundedGaussNewton:
         corrections: int = 1,
         prediction_error: float = 0.0,
         renewals: bool = True,
+        partial_renewals: bool = True,
+        poor_steps: int = 0,
+        goal: float = 0.0,
     ) -> bool:
         """Take steps until one predicts a gain below `tolerance`, in squared standard deviations.
 
-        Returns whether that was so: false after all evaluations, or where derivatives have to be renewed.
+        Returns whether that was so: false after all evaluations, at the goal, or where derivatives have to be
+        renewed.
 
         Parameters
         ----------
@@ -90,57 +95,77 @@ class BoundedGaussNewton:
         weights
             (n_data,) of the residuals; all 1 if none are given.
         corrections
-            Of the derivatives, at least, before steps that gain slowly renew them.
+            Steps with corrected derivatives, at least, before one that gains slowly renews them.
         prediction_error
-            Loss below which two steps in a row that lose end the minimisation.
+            Loss below which two steps in a row that lose end the minimisation, and gain since all derivatives
+            were renewed up to which they are not renewed once more.
         renewals
             Whether derivatives may be renewed; if not, the minimisation ends where they would be.
+        partial_renewals
+            Whether derivatives may be renewed in part. Corrected and renewed columns do not match: near the
+            minimum, where they nearly cancel, steps by both go astray.
+        poor_steps
+            Steps in a row that may gain little or nothing before corrected derivatives are renewed.
+        goal
+            Cost below which the minimisation ends.
         """
-        trust_radius, last_gain, n_lost = LEAST_SQUARES.first_step, np.inf, 0
+        trust_radius, last_gain, n_lost, n_poor = LEAST_SQUARES.first_step, np.inf, 0, 0
         for _ in range(evaluations):
             step, predicted_gain = self._step(trust_radius, weights)
             slow = predicted_gain > max(LEAST_SQUARES.slow_gain * last_gain, tolerance)
             if slow and self._recent_corrections >= corrections:
                 if not renewals:
                     return False
-                self._renew_some()
+                self._renew(partial_renewals)
                 step, predicted_gain = self._step(trust_radius, weights)
             last_gain = predicted_gain
-            cost = self._cost(self.vector, weights)
-            n_data = len(self.vector)
+            cost, n_data = self._cost(self.vector, weights), len(self.vector)
             least_gain = tolerance * max(1.0, cost / n_data) + excess_share * max(cost - n_data, 0)
             if not predicted_gain > least_gain:
                 return True
-            target = (self.position + step).clip(self._low, self._high)
-            vector = self._evaluate(target)
-            gain = -np.inf if vector is None else cost - self._cost(vector, weights)
-            successful = np.isfinite(gain) and gain > 0
-            longest = float(np.abs(step).max())
+            corrected, longest = self.corrections > 0, float(np.abs(step).max())
+            gain = self._try(step, cost, weights)
             # Errors of derivatives promise a gain even at the minimum; those of predictions lose some there.
-            n_lost = n_lost + 1 if not successful and gain > -prediction_error else 0
-            at_minimum = not self.corrections and (abs(gain) < least_gain or n_lost > 1)
-            if vector is not None and successful:
-                self._move(target, vector)
+            n_lost = n_lost + 1 if -prediction_error < gain <= 0 else 0
+            if not corrected and (abs(gain) < least_gain or n_lost > 1):
+                return True
+            if gain > 0:
                 trust_radius = max(trust_radius, LEAST_SQUARES.growth * longest)
             else:
                 trust_radius = longest / LEAST_SQUARES.shrinkage
-            if at_minimum:
-                return True
-            if self.corrections and not (successful and gain > LEAST_SQUARES.poor_gain * predicted_gain):
-                if not renewals:
-                    return False
-                if self._recent_corrections:
-                    self._renew_some()
-                else:
-                    self.renew()
+            poor = self.corrections > 0 and gain <= LEAST_SQUARES.poor_gain * predicted_gain
+            n_poor = n_poor + 1 if poor else 0
+            if n_poor > poor_steps:
+                no_gain = self._cost_at_renewal - self._cost(self.vector, weights) < prediction_error
+                if not renewals or no_gain:
+                    return renewals
+                n_poor = 0
+                self._renew(partial_renewals and self._recent_corrections > 0)
+                if not self.corrections:  # the derivatives were wrong, not the step too long
+                    trust_radius = max(trust_radius, LEAST_SQUARES.first_step)
+            if cost - gain < goal:
+                return False
         return False
 
-    def _evaluate(self, target: FloatArray) -> FloatArray | None:
-        """Return the residuals at a position; None where no prediction exists."""
+    def _try(self, step: FloatArray, cost: float, weights: FloatArray | None) -> float:
+        """Return what a step gains, and take it if it does; -inf where no prediction exists.
+
+        Parameters
+        ----------
+        cost
+            Cost before the step.
+        """
+        target = (self.position + step).clip(self._low, self._high)
         try:
-            return self._function(target)
+            vector = self._function(target)
         except InvalidInputError:
-            return None
+            return -np.inf
+        gain = cost - self._cost(vector, weights)
+        if not np.isfinite(gain):
+            return -np.inf
+        if gain > 0:
+            self._move(target, vector)
+        return gain
 
     def _move(self, target: FloatArray, vector: FloatArray) -> None:
         step = target - self.position
@@ -164,12 +189,33 @@ class BoundedGaussNewton:
         high = np.minimum(self._high - self.position, trust_radius)
         # A parameter on its bound still needs a box that is not empty.
         box = low, np.maximum(high, low + PRODUCT_ROUNDING)
-        step = np.asarray(scipy.optimize.lsq_linear(jacobian, -vector, box, method="bvls").x.clip(low, high))
+        step = _bounded_minimum(jacobian, -vector, box).clip(low, high)
         return step, float(vector @ vector - np.sum((vector + jacobian @ step) ** 2))
 
     @staticmethod
     def _cost(vector: FloatArray, weights: FloatArray | None) -> float:
         return float(vector @ vector) if weights is None else float(np.sum((weights * vector) ** 2))
+
+
+def _bounded_minimum(
+    triangle: FloatArray, target: FloatArray, box: tuple[FloatArray, FloatArray]
+) -> FloatArray:
+    """Return x (n,) between bounds that minimises |triangle x - target|.
+
+    By back substitution where no bound holds, which takes a fiftieth of the time of a bounded solution.
+
+    Parameters
+    ----------
+    triangle
+        (m, n), upper triangular.
+    """
+    n = triangle.shape[1]
+    diagonal = np.abs(np.diag(triangle))
+    if n and diagonal.min() > PRODUCT_ROUNDING * diagonal.max():
+        x = scipy.linalg.solve_triangular(triangle[:n], target[:n])
+        if (x >= box[0]).all() and (x <= box[1]).all():
+            return np.asarray(x)
+    return np.asarray(scipy.optimize.lsq_linear(triangle, target, box, method="bvls").x)
 
 
 def _triangle(system: FloatArray) -> FloatArray:
@@ -230,83 +276,3 @@ def finite_difference(
         if 1 / DIFFERENCE.linearity < np.linalg.norm(long_change) < DIFFERENCE.linearity:
             break
     return np.asarray(long_change / long_step)
-
-
-class BoundedQuadratic:
-    """A quadratic form d.gradient + d.curvature.d/2, minimised between bounds for many gradients.
-
-    Parameters
-    ----------
-    curvature
-        (n, n), positive definite.
-    """
-
-    def __init__(self, curvature: FloatArray) -> None:
-        self._curvature = curvature
-        self._inverse = np.linalg.inv(curvature)
-
-    def minimise(self, gradient: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
-        """Return steps d (..., n) between bounds (n,) that reduce the form.
-
-        All at once: Newton's step; where bounds clip it, a few steps of the free parameters. Never worse
-        than no step.
-
-        Parameters
-        ----------
-        gradient
-            (..., n).
-        low, high
-            (n,) bounds of d.
-        """
-        newton = -(gradient @ self._inverse)
-        step = newton.clip(low, high)
-        clipped = np.asarray((step != newton).any(axis=-1))
-        if clipped.any():
-            step[clipped] = self._projected_newton(gradient[clipped], step[clipped], low, high)
-        return np.asarray(step)
-
-    def _projected_newton(
-        self, gradient: FloatArray, step: FloatArray, low: FloatArray, high: FloatArray
-    ) -> FloatArray:
-        """Return improved steps (n_steps, n) by projected Newton.
-
-        Parameters whose gradient points out of a bound stay there; Bertsekas, SIAM Journal on Control and
-        Optimization 20 (1982), 221, without its line search: the best step is returned.
-        """
-        newton = -(gradient @ self._inverse)
-        best, minimum = np.zeros_like(step), np.zeros(len(step))
-        rows = np.arange(len(step))  # of steps that may improve still
-        fixed = np.ones(step.shape, bool)
-        for _ in range(LEAST_SQUARES.projected_steps):
-            slope = gradient[rows] + step @ self._curvature
-            value = np.sum(step * (gradient[rows] + slope), axis=-1)
-            better = value < minimum[rows]
-            best[rows[better]], minimum[rows[better]] = step[better], value[better]
-            bound = ((step <= low) & (slope > 0)) | ((step >= high) & (slope < 0))
-            other = (bound != fixed).any(axis=1)  # with the same ones fixed the step would repeat itself
-            rows, step, fixed = rows[other], step[other], bound[other]
-            if not len(rows):
-                break
-            step = self._with_fixed(newton[rows], step, fixed).clip(low, high)
-        return best
-
-    def _with_fixed(self, newton: FloatArray, position: FloatArray, fixed: BoolArray) -> FloatArray:
-        """Return the minima (n_steps, n) with some parameters fixed at their positions.
-
-        By the fixed parameters' block of the inverse curvature, which is small where few are fixed, in place
-        of the free parameters' block of the curvature.
-
-        Parameters
-        ----------
-        newton
-            (n_steps, n) minima without a fixed parameter.
-        """
-        n_fixed = int(fixed.sum(axis=1).max())
-        index = np.argsort(~fixed, axis=1, kind="stable")[:, :n_fixed]
-        used = np.take_along_axis(fixed, index, axis=1)
-        pairs = used[:, :, None] & used[:, None, :]
-        block = np.where(pairs, self._inverse[index[:, :, None], index[:, None, :]], np.eye(n_fixed))
-        shift = np.where(used, np.take_along_axis(newton - position, index, axis=1), 0.0)
-        forces = np.zeros_like(newton)
-        np.put_along_axis(forces, index, np.linalg.solve(block, shift[..., None])[..., 0], axis=1)
-        return np.asarray(np.where(fixed, position, newton - forces @ self._inverse))

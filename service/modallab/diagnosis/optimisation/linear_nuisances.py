@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import FloatArray
-from modallab.diagnosis.optimisation.least_squares import BoundedQuadratic
+from modallab.diagnosis.optimisation.bounded_quadratic import BoundedQuadratic
 
 
 @dataclass(frozen=True, eq=False)

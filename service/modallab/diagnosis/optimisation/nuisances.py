@@ -55,6 +55,13 @@ class Nuisance:
     optional: bool = False
     """Whether only a test that shows it has it: of a mode above the band, or a shape of little variance."""
 
+    @property
+    def difference_step(self) -> float:
+        """Step of a finite difference, in standard deviations."""
+        if self.unit != "1":
+            return NUISANCE.least_difference_step
+        return max(NUISANCE.difference_step / self.standard_deviation, NUISANCE.least_difference_step)
+
     def value(self, position: float) -> float:
         """Return the value at a position in standard deviations."""
         if self.logarithmic:
@@ -82,7 +89,7 @@ class Nuisance:
             return None
         points = {dof.point for dof in self.at.dofs} if isinstance(self.at, Channels) else None
         acts = np.array([points is None or dof.point in points for dof in observed.outputs])
-        change = self.standard_deviation * NUISANCE.difference_step * acts
+        change = self.standard_deviation * self.difference_step * acts
         if self.name == "delay":
             return replace(predicted, h=predicted.h * np.exp(-2j * np.pi * observed.freq[:, None] * change))
         gain = 1 + change
@@ -166,10 +173,11 @@ class Nuisances:
         indices
             (n,) indices of the parameters.
         """
-        residuals, step = vector(base), NUISANCE.difference_step
+        residuals = vector(base)
         columns = np.zeros((len(residuals), len(indices)))
         for i, index in enumerate(indices):
             parameter = self.parameters[index]
+            step = parameter.difference_step
             perturbed = parameter.channel_prediction(base, observed)
             if perturbed is None:
                 perturbed = predict(self.effects(step * (np.arange(len(self)) == index)))

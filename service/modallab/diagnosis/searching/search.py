@@ -1,6 +1,6 @@
 """Forward selection of effects until only random error is left or no effect is significant."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import islice
 
@@ -25,7 +25,10 @@ from modallab.diagnosis.searching.search_path import (
 )
 from modallab.diagnosis.searching.search_round import Suspects, fit_candidates
 from modallab.diagnosis.searching.settings import ACCEPTANCE, ROUND, SEARCH
-from modallab.rig.effect import is_nonlinear
+from modallab.rig.effect import Effect, is_nonlinear
+
+Explains = Callable[[tuple[Effect, ...]], bool]
+"""Whether effects leave random error alone under tolerances that a later search may assume."""
 
 
 def search(
@@ -36,6 +39,7 @@ def search(
     max_effects: int,
     progress: Progress,
     first_round: Sequence[Fit] | None = None,
+    explains: Explains | None = None,
 ) -> SearchPath:
     """Return the effects that explain the measurement, each of them significant.
 
@@ -49,6 +53,8 @@ def search(
         The fit without any effect.
     first_round
         The fits of single effects by `fit_candidates`, if they are known.
+    explains
+        Ends the search: what these effects leave is not to be mopped up by others.
     """
     if is_noise_only(predictor, start):
         return with_common_deviation(predictor, start, suspects)
@@ -63,8 +69,8 @@ def search(
     if elements and len(elements.effects) <= SEARCH.pair:
         stage = part(progress, 0.3, 0.95)
         return refine_path(predictor, verify(predictor, start, elements, suspects, stage))
-    paths = _branches(predictor, start, first, suspects, max_effects, progress)
-    if paths and (max_effects == 1 or _is_complete(predictor, paths[-1])):
+    paths = _branches(predictor, start, first, suspects, max_effects, progress, explains)
+    if paths and (max_effects == 1 or _is_complete(predictor, paths[-1], explains)):
         return refine_path(predictor, paths[-1])
     if elements:  # no pair explains the measurement, so that more elements are justified
         stage = part(progress, 0.75, 0.95)
@@ -76,7 +82,7 @@ def search(
         margin = ACCEPTANCE.very_strong_bic * variance_inflation(predictor, best.fit)
         if path.fit.bic < best.fit.bic - margin:
             best = path
-    best = _extended(predictor, best, suspects, max_effects, part(progress, 0.75, 0.95))
+    best = _extended(predictor, best, suspects, max_effects, part(progress, 0.75, 0.95), explains)
     return without_undetermined_effects(predictor, refine_path(predictor, best))
 
 
@@ -87,6 +93,7 @@ def _branches(
     suspects: Suspects,
     max_effects: int,
     progress: Progress,
+    explains: Explains | None,
 ) -> list[SearchPath]:
     """Return paths of one or two effects, one for each of the best kinds; the last may leave only noise."""
     paths: list[SearchPath] = []
@@ -99,8 +106,8 @@ def _branches(
             continue
         single = SearchPath(start, (AcceptedEffect(name, start, candidate, round_fits),))
         stage = part(progress, 0.3 + 0.15 * i, 0.45 + 0.15 * i)
-        paths.append(_extended(predictor, single, suspects, min(SEARCH.pair, max_effects), stage))
-        if max_effects == 1 or _is_complete(predictor, paths[-1]):
+        paths.append(_extended(predictor, single, suspects, min(SEARCH.pair, max_effects), stage, explains))
+        if max_effects == 1 or _is_complete(predictor, paths[-1], explains):
             break
         if predictor.budget.exhausted:
             break
@@ -126,7 +133,12 @@ def significant_fits(
 
 
 def _extended(
-    predictor: Predictor, path: SearchPath, suspects: Suspects, max_effects: int, progress: Progress
+    predictor: Predictor,
+    path: SearchPath,
+    suspects: Suspects,
+    max_effects: int,
+    progress: Progress,
+    explains: Explains | None,
 ) -> SearchPath:
     """Return a path with effects added, as long as each is significant and one is missing.
 
@@ -134,7 +146,7 @@ def _extended(
     by little, one that is not in the catalogue.
     """
     while len(path.steps) < max_effects:
-        if path.exhausted or _is_complete(predictor, path) or predictor.budget.exhausted:
+        if path.exhausted or _is_complete(predictor, path, explains) or predictor.budget.exhausted:
             break
         last = path.steps[-1] if len(path.steps) > 1 else None
         if last and not excess_ratio(predictor, last.previous_fit, last.fit) < SEARCH.closing_ratio:
@@ -150,9 +162,12 @@ def _extended(
     return path
 
 
-def _is_complete(predictor: Predictor, path: SearchPath) -> bool:
-    """Return whether no effect is missing: what is left is noise, or an error of predictions."""
-    return is_noise_only(predictor, path.fit) or is_prediction_error(predictor, path)
+def _is_complete(predictor: Predictor, path: SearchPath, explains: Explains | None) -> bool:
+    """Return whether no effect is missing: what is left is noise, an error of predictions, or tolerated."""
+    if is_noise_only(predictor, path.fit) or is_prediction_error(predictor, path):
+        return True
+    # Of single effects the first round asked already.
+    return explains is not None and len(path.steps) > 1 and explains(path.fit.effects)
 
 
 def is_prediction_error(predictor: Predictor, path: SearchPath) -> bool:

@@ -27,7 +27,8 @@ def test_look_alikes_and_the_test_that_would_tell_are_told() -> None:
     words = summary(replace(diagnosis(Verdict.AMBIGUOUS, (step,)), next_test=test, notes=("noted",)))
     said = " ".join(words.split())
     assert (
-        "rivals this measurement cannot distinguish it from force transducer mass or drift of the stiffness between runs" in said
+        "rivals this measurement cannot distinguish it from force transducer mass or "
+        "drift of the stiffness between runs" in said
     )
     assert "next test Measure again with the force at 9:+Y: it moves." in said
     assert "note noted" in said

@@ -57,7 +57,10 @@ def test_a_probability_never_claims_to_be_certain() -> None:
 def test_sureness_names_the_next_best_and_what_it_leaves() -> None:
     rivals = (Rival("extra_mass", Dof(4, "Y"), 0.97, 1.04), Rival("drift", None, 0.03, 31.0))
     step = Step(**{**vars(STEP), "rivals": rivals})
-    words = "probability 97.3 %; next best: drift of the stiffness between runs, 3.0 %, with a remaining gap of 31"
+    words = (
+        "probability 97.3 %; next best: drift of the stiffness between runs, 3.0 %, "
+        "with a remaining gap of 31"
+    )
     assert text.probability_statement(step) == words
 
 

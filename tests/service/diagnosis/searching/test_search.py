@@ -69,6 +69,28 @@ def test_where_nothing_can_be_added_is_not_looked_again(
     assert looked == [0, 1]
 
 
+def test_a_search_ends_at_a_pair_that_later_tolerances_explain(
+    predictor: Predictor, found: list[Fit], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[int] = []
+
+    def trials(_predictor: Predictor, base: Fit, *_: object, **__: object) -> list[Fit]:
+        asked.append(len(base.effects))
+        more = ExtraMass(Dof(2 + len(base.effects), "Y"), 1e-3)
+        return [fit(predictor, (*base.effects, more))] if base.effects else [found[1]]
+
+    monkeypatch.setattr(module, "fit_candidates", trials)
+    monkeypatch.setattr(module, "is_noise_only", lambda *_: False)
+    monkeypatch.setattr(module, "is_significant", lambda *_: True)
+    monkeypatch.setattr(module, "excess_ratio", lambda *_: 0.0)
+    start = fit(predictor, ())
+    path = search(
+        predictor, start, Suspects([]), max_effects=4, progress=silent, explains=lambda effects: True
+    )
+    assert len(path.steps) == 2
+    assert asked == [0, 1]
+
+
 def test_noise_beside_something_larger_is_no_leakage() -> None:
     # A little more noise than declared goes together over all lines, as leakage does.
     hidden = (MASS, ResponseNoise(ratio=1.5e-3))
