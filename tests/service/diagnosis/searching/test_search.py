@@ -84,9 +84,7 @@ def test_a_search_ends_at_a_pair_that_later_tolerances_explain(
     monkeypatch.setattr(module, "is_significant", lambda *_: True)
     monkeypatch.setattr(module, "excess_ratio", lambda *_: 0.0)
     start = fit(predictor, ())
-    path = search(
-        predictor, start, Suspects([]), max_effects=4, progress=silent, explains=lambda effects: True
-    )
+    path = search(predictor, start, Suspects([]), max_effects=4, progress=silent, explains=lambda _: True)
     assert len(path.steps) == 2
     assert asked == [0, 1]
 
