@@ -8,7 +8,8 @@ import numpy as np
 from benchmarks.trial.hidden import Gauge, spectra_of
 from benchmarks.trial.rigs import Bench
 from modallab.diagnosis.fitting.fit import fit
-from modallab.diagnosis.optimisation.nuisances import Nuisances, draw_positions, nuisance_parameters
+from modallab.diagnosis.optimisation.nuisance_parameters import nuisance_parameters
+from modallab.diagnosis.optimisation.nuisances import Nuisances, draw_positions
 from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observe import observe

@@ -11,7 +11,7 @@ from modallab.diagnosis.assumed_tolerances import deviate_far, explains_more, re
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.fitting.visible_nuisances import with_visible_nuisances
-from modallab.diagnosis.optimisation.nuisances import nuisance_parameters
+from modallab.diagnosis.optimisation.nuisance_parameters import nuisance_parameters
 from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.predicting.held_out import outlying_frfs, select_held_out
 from modallab.diagnosis.predicting.joint_prediction import JointPredictor

@@ -4,7 +4,7 @@ from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members
 from modallab.diagnosis.fitting.coarse_fit import coarse_fit
 from modallab.diagnosis.fitting.fit import fit
-from modallab.diagnosis.optimisation.nuisances import nuisance_parameters
+from modallab.diagnosis.optimisation.nuisance_parameters import nuisance_parameters
 from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.effects.accelerometer_mass import AccelerometerMass
 from modallab.effects.cable_mass import CableMass

@@ -2,7 +2,7 @@ import numpy as np
 
 from modallab.diagnosis.fitting.fit import fit
 from modallab.diagnosis.fitting.visible_nuisances import with_visible_nuisances
-from modallab.diagnosis.optimisation.nuisances import nuisance_parameters
+from modallab.diagnosis.optimisation.nuisance_parameters import nuisance_parameters
 from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.searching.acceptance import is_noise_only

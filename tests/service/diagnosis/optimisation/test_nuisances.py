@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from modallab.core.arrays import FloatArray
-from modallab.diagnosis.optimisation.nuisances import nuisance_parameters
+from modallab.diagnosis.optimisation.nuisance_parameters import nuisance_parameters
 from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.residuals.residual import residual
 from tests.diagnosing import draw_measurement, predicting, rig

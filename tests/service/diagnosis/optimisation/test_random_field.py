@@ -11,7 +11,7 @@ from modallab.core.errors import InvalidInputError
 from modallab.core.place import Members
 from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.fitting.fit import fit
-from modallab.diagnosis.optimisation.nuisances import nuisance_parameters
+from modallab.diagnosis.optimisation.nuisance_parameters import nuisance_parameters
 from modallab.diagnosis.optimisation.random_field import RandomField
 from modallab.diagnosis.optimisation.settings import RANDOM_FIELD
 from modallab.diagnosis.optimisation.tolerances import Tolerances

@@ -11,7 +11,8 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.diagnosis.fitting.coarse_fit import coarse_fit
 from modallab.diagnosis.fitting.fit import Fit, fit
-from modallab.diagnosis.optimisation.nuisances import Nuisances, draw_positions, nuisance_parameters
+from modallab.diagnosis.optimisation.nuisance_parameters import nuisance_parameters
+from modallab.diagnosis.optimisation.nuisances import Nuisances, draw_positions
 from modallab.diagnosis.optimisation.settings import NUISANCE
 from modallab.diagnosis.optimisation.tolerance_effects import LossTolerance
 from modallab.diagnosis.optimisation.tolerances import TolerancePreset, Tolerances

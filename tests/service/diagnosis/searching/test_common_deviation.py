@@ -6,7 +6,7 @@ import pytest
 from modallab.core.progress import silent
 from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.fitting.fit import fit
-from modallab.diagnosis.optimisation.nuisances import nuisance_parameters
+from modallab.diagnosis.optimisation.nuisance_parameters import nuisance_parameters
 from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.reporting.verdict_text import verdict_text
 from modallab.diagnosis.result import Verdict

@@ -6,7 +6,7 @@ from modallab.core.place import Members
 from modallab.core.progress import silent
 from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.fitting.fit import fit
-from modallab.diagnosis.optimisation.nuisances import nuisance_parameters
+from modallab.diagnosis.optimisation.nuisance_parameters import nuisance_parameters
 from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.result import Verdict
 from modallab.diagnosis.search_task import suspected

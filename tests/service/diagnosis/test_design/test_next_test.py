@@ -6,7 +6,7 @@ import pytest
 from modallab.core.dof import Dof
 from modallab.core.progress import silent
 from modallab.diagnosis.fitting.fit import Fit, fit
-from modallab.diagnosis.optimisation.nuisances import nuisance_parameters
+from modallab.diagnosis.optimisation.nuisance_parameters import nuisance_parameters
 from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.predicting.joint_prediction import JointPredictor
 from modallab.diagnosis.predicting.predictor import Predictor
