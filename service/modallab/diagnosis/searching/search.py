@@ -148,8 +148,7 @@ def _extended(
     while len(path.steps) < max_effects:
         if path.exhausted or _is_complete(predictor, path, explains) or predictor.budget.exhausted:
             break
-        last = path.steps[-1] if len(path.steps) > 1 else None
-        if last and not excess_ratio(predictor, last.previous_fit, last.fit) < SEARCH.closing_ratio:
+        if len(path.steps) > 1 and not _closes_much(predictor, path.steps[-1]):
             break
         candidates = fit_candidates(predictor, path.fit, suspects, progress=progress)
         best = next(significant_fits(predictor, path.fit, candidates), None)
@@ -166,8 +165,13 @@ def _is_complete(predictor: Predictor, path: SearchPath, explains: Explains | No
     """Return whether no effect is missing: what is left is noise, an error of predictions, or tolerated."""
     if is_noise_only(predictor, path.fit) or is_prediction_error(predictor, path):
         return True
-    # Of single effects the first round asked already.
-    return explains is not None and len(path.steps) > 1 and explains(path.fit.effects)
+    if explains is None or len(path.steps) < SEARCH.pair:  # of single effects the first round asked already
+        return False
+    return _closes_much(predictor, path.steps[-1]) and explains(path.fit.effects)
+
+
+def _closes_much(predictor: Predictor, step: AcceptedEffect) -> bool:
+    return excess_ratio(predictor, step.previous_fit, step.fit) < SEARCH.closing_ratio
 
 
 def is_prediction_error(predictor: Predictor, path: SearchPath) -> bool:
