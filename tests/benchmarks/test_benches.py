@@ -12,8 +12,6 @@ import pytest
 import benchmarks.__main__ as command
 from benchmarks.bench import Bench, Row, benches
 
-pytestmark = pytest.mark.no_cover  # slow; fast tests reach the same lines
-
 FOLDER = Path(command.__file__).parent
 BENCHES = benches()
 

@@ -12,8 +12,6 @@ from benchmarks import example_files
 from benchmarks.extraction_job import measured
 from benchmarks.same_figures import differences
 
-pytestmark = pytest.mark.no_cover  # slow; fast tests reach the same lines
-
 ROOT = Path(command.__file__).parents[1]
 SCRIPTS = sorted(
     module.name

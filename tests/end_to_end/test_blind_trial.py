@@ -38,8 +38,6 @@ from modallab.store.plain import to_plain
 from modallab_client import ModalLab
 from modallab_client.errors import NotFoundError
 
-pytestmark = pytest.mark.no_cover  # slow; fast tests reach the same lines
-
 SEED = 7
 FEW = ("extra_mass", "exciter_armature", "polarity", "gain_error", "response_noise")
 

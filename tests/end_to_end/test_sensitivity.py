@@ -27,8 +27,6 @@ from modallab.core.place import EffectSpec
 from modallab.rig.effect import build
 from modallab.rig.measure import Route, measure
 
-pytestmark = pytest.mark.no_cover  # slow; fast tests reach the same lines
-
 
 def test_all_settings_of_the_diagnosis_are_varied() -> None:
     assert any(name.startswith("diagnosis.") for name in groups())

@@ -6,8 +6,6 @@ from modallab_client import ModalLab
 from modallab_client.demo.chapter_5 import RIG, TRUTH
 from modallab_client.methods.diagnoses import place
 
-pytestmark = pytest.mark.no_cover  # slow; fast tests reach the same lines
-
 # What moves resonances, or is at the end that is driven: the other kinds would only take time.
 SUSPECTS = [
     "stiffness_error",

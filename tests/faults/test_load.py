@@ -13,7 +13,7 @@ def _no_key(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_short_jobs_go_on_beside_queued_diagnoses(tmp_path: Path) -> None:
-    seen = observe(Load(students=4, seconds=8.0, think=0.5, diagnoses=20), tmp_path)
+    seen = observe(Load(students=4, seconds=15.0, think=0.5, diagnoses=20), tmp_path)
     assert not seen.errors
     assert min(seen.loops) >= 1, seen.loops
     # Half of them: on a machine that others use, too, some wait for a process to start.

@@ -18,8 +18,6 @@ from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.measure import Route, measure
 from tests.diagnosing import model, rig
 
-pytestmark = pytest.mark.no_cover  # slow; fast tests reach the same lines
-
 KINDS = ["extra_mass", "stiffness_error", "gain_error", "exciter_armature", "cubic_stiffness"]
 
 

@@ -29,8 +29,6 @@ from modallab.rig.simulated_variance import SimulatedVariance
 from modallab.rig.spectrum_settings import SIMULATED_VARIANCE
 from tests.diagnosing import draw_measurement, model, predicting, rig
 
-pytestmark = pytest.mark.no_cover  # slow; fast tests reach the same lines
-
 CUBIC = CubicStiffness(Dof(4, "Y"), 3e9)
 RUBBING = Friction(Dof(5, "Y"), 0.01)
 KINDS = ("cubic_stiffness", "friction", "ground_spring", "local_damping", "response_noise")
