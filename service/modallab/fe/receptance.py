@@ -101,7 +101,7 @@ def attached_variants(
         (n, n_out) and (n, n_in) for each variant, of one width each.
     """
     common, parts = split_common(systems)
-    specific = _with_motions_once(parts)
+    specific = _without_repeated_motions(parts)
     loaded = condense_if_cheaper(replace(systems[0], attachments=common), len(omega))
     response = loaded.base_modes(float(omega.real.max()) / (2 * np.pi)).at(omega)
     stacks = [stacked_columns(len(inputs_of[0]), attachments) for attachments in specific]
@@ -129,11 +129,11 @@ def attached_variants(
     return _woodbury(bare, z)
 
 
-def _with_motions_once(variants: Sequence[tuple[Attachment, ...]]) -> Sequence[tuple[Attachment, ...]]:
-    """Return the attachments of each variant, those that share motions merged.
+def _without_repeated_motions(variants: Sequence[tuple[Attachment, ...]]) -> Sequence[tuple[Attachment, ...]]:
+    """Return the attachments of each variant, merged where they act on the same motions.
 
-    The Woodbury identity has fewer unknowns then. As they are where merged ones would have different numbers
-    of columns, which cannot be stacked.
+    The Woodbury identity then has fewer unknowns. Variants whose merged attachments differ in their number of
+    columns cannot be stacked and stay as they are.
     """
     if len(variants[0]) < 2 or not _repeats_a_motion(variants[0]):
         return variants

@@ -97,13 +97,13 @@ class BoundedGaussNewton:
         corrections
             Steps with corrected derivatives, at least, before one that gains slowly renews them.
         prediction_error
-            Loss below which two steps in a row that lose end the minimisation, and gain since all derivatives
-            were renewed up to which they are not renewed once more.
+            Error of the cost by that of predictions. Two steps in a row that lose less end the minimisation;
+            derivatives whose steps gained less are not renewed. 0 where residuals have weights.
         renewals
             Whether derivatives may be renewed; if not, the minimisation ends where they would be.
         partial_renewals
-            Whether derivatives may be renewed in part. Corrected and renewed columns do not match: near the
-            minimum, where they nearly cancel, steps by both go astray.
+            Whether the first columns may be renewed alone. They do not match the corrected ones: near the
+            minimum, where columns nearly cancel, steps by such derivatives go astray.
         poor_steps
             Steps in a row that may gain little or nothing before corrected derivatives are renewed.
         goal
@@ -136,7 +136,8 @@ class BoundedGaussNewton:
             poor = self.corrections > 0 and gain <= LEAST_SQUARES.poor_gain * predicted_gain
             n_poor = n_poor + 1 if poor else 0
             if n_poor > poor_steps:
-                no_gain = self._cost_at_renewal - self._cost(self.vector, weights) < prediction_error
+                gained = self._cost_at_renewal - self._cost(self.vector, None)
+                no_gain = prediction_error > 0 and gained < prediction_error
                 if not renewals or no_gain:
                     return renewals
                 n_poor = 0

@@ -121,15 +121,15 @@ class NuisanceSettings(Settings):
     )
     difference_step: float = setting(
         2e-6,
-        doc="step of the finite difference by a nuisance parameter, over its scale",
-        derived="eigenvalues are rounded to 1e-9 of theirs; a resonance of loss factor 2.5e-4 moves by a "
-        "hundredth of its bandwidth",
+        doc="step of the finite difference by a nuisance parameter, as a share of its declared value",
+        derived="eigenvalues are precise to 1e-9; a resonance of loss factor 2.5e-4 moves by a hundredth of "
+        "its bandwidth",
     )
     least_difference_step: float = setting(
         1e-5,
         unit="standard deviations",
-        doc="the same of a parameter without a scale, and the least of all",
-        derived="of delays, whose derivative is free of rounding",
+        doc="least step of the finite difference, and the step of a delay",
+        derived="the prediction with a delay has a closed form, free of the rounding of eigenvalues",
     )
     parameter_range: float = setting(
         1.0,

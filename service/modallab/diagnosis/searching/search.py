@@ -54,7 +54,8 @@ def search(
     first_round
         The fits of single effects by `fit_candidates`, if they are known.
     explains
-        Ends the search: what these effects leave is not to be mopped up by others.
+        Whether effects leave random error alone under tolerances assumed later. Such a pair ends the search:
+        a third effect would absorb what the tolerances explain.
     """
     if is_noise_only(predictor, start):
         return with_common_deviation(predictor, start, suspects)
