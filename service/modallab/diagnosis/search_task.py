@@ -24,7 +24,7 @@ from modallab.diagnosis.residuals.frf_selection import FrfSelection
 from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.search_result import SearchResult
 from modallab.diagnosis.searching.acceptance import is_noise_only
-from modallab.diagnosis.searching.search import Explains, is_prediction_error, search
+from modallab.diagnosis.searching.search import ExplanationCriterion, is_prediction_error, search
 from modallab.diagnosis.searching.search_path import SearchPath
 from modallab.diagnosis.searching.search_round import Suspects, fit_candidates
 from modallab.diagnosis.settings import DIAGNOSIS
@@ -213,7 +213,7 @@ class SearchTask:
         max_effects: int,
         progress: Progress,
         first_round: Sequence[Fit] | None = None,
-        explains: Explains | None = None,
+        explains: ExplanationCriterion | None = None,
     ) -> SearchResult:
         """Return the result of a search from the fit without any effect."""
         path = search(

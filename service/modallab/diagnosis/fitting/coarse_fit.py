@@ -7,7 +7,7 @@ import numpy as np
 from modallab.core.arrays import FloatArray
 from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.optimisation.fit_parameters import ParameterVector
-from modallab.diagnosis.optimisation.least_squares import BoundedGaussNewton
+from modallab.diagnosis.optimisation.least_squares import BoundedGaussNewton, StepRules
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
 from modallab.diagnosis.residuals.residual import inflation_weights, residual
 from modallab.rig.effect import Effect
@@ -37,6 +37,7 @@ def coarse_fit(
         vector = task.vector(start)
         return effect, float(vector @ vector)
     stages = (*(w for w in FIT.noise_inflation_schedule if w <= noise_inflation), 0.0)
+    rules = StepRules(FIT.coarse_evaluations, FIT.coarse_tolerance, FIT.excess_share)
     shapes = np.concatenate(
         [[p.spec.absent is None for p in task.parameters.parameters], np.zeros(len(start) - n, bool)]
     )
@@ -44,21 +45,11 @@ def coarse_fit(
         # Amounts before shapes: a wrong amount draws the shape to where the data do not determine it.
         box = np.where(shapes, start, task.low), np.where(shapes, start, task.high)
         amounts = BoundedGaussNewton(task.vector, task.derivatives, start, box)
-        amounts.minimise(
-            evaluations=FIT.coarse_evaluations,
-            tolerance=FIT.coarse_tolerance,
-            excess_share=FIT.excess_share,
-            weights=task.weights(stages[0]),
-        )
+        amounts.minimise(rules, task.weights(stages[0]))
         start = amounts.position
     fit = BoundedGaussNewton(task.vector, task.derivatives, start, (task.low, task.high))
     for stage in stages:
-        fit.minimise(
-            evaluations=FIT.coarse_evaluations,
-            tolerance=FIT.coarse_tolerance,
-            excess_share=FIT.excess_share,
-            weights=task.weights(stage),
-        )
+        fit.minimise(rules, task.weights(stage))
     return task.parameters.with_values(fit.position[:n])[0], float(fit.vector @ fit.vector)
 
 

@@ -11,7 +11,7 @@ from modallab.diagnosis.fitting.coarse_fit import with_prior_rows
 from modallab.diagnosis.fitting.covariance import deviating_predictions
 from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.optimisation.fit_parameters import ParameterVector
-from modallab.diagnosis.optimisation.least_squares import BoundedGaussNewton
+from modallab.diagnosis.optimisation.least_squares import BoundedGaussNewton, StepRules
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.diagnosis.residuals.residual import Residual, inflation_weights, residual
@@ -128,10 +128,12 @@ def minimised(task: FitTask, max_chi_square: float) -> tuple[FloatArray, FloatAr
     if np.isfinite(max_chi_square):
         attempt = copy(minimum)
         attempt.minimise(
-            evaluations=FIT.first_steps,
-            tolerance=FIT.coarse_tolerance + tolerated,
-            corrections=FIT.first_steps,
-            renewals=False,
+            StepRules(
+                evaluations=FIT.first_steps,
+                tolerance=FIT.coarse_tolerance + tolerated,
+                corrections=FIT.first_steps,
+                renewals=False,
+            )
         )
         if float(attempt.vector @ attempt.vector) > max_chi_square:
             return attempt.position, attempt.jacobian[: len(attempt.vector) - len(task.free)]
@@ -139,25 +141,29 @@ def minimised(task: FitTask, max_chi_square: float) -> tuple[FloatArray, FloatAr
         _approach(minimum, task)
     near_noise = FIT.near_noise * len(minimum.vector)
     minimum.minimise(
-        evaluations=FIT.max_evaluations,
-        tolerance=FIT.coarse_tolerance + tolerated,
-        excess_share=FIT.excess_share,
-        # Where an effect is fitted too, steps with corrected derivatives may end before they reach the data.
-        corrections=1 if len(parameters) else _corrections(task),
-        goal=near_noise,
+        StepRules(
+            evaluations=FIT.max_evaluations,
+            tolerance=FIT.coarse_tolerance + tolerated,
+            excess_share=FIT.excess_share,
+            # Where an effect is fitted too, corrected derivatives may end steps before they reach the data.
+            corrections=1 if len(parameters) else _corrections(task),
+            goal=near_noise,
+        )
     )
     if float(minimum.vector @ minimum.vector) < near_noise:
         if minimum.corrections > FIT.max_corrections:
             minimum.renew()
         for _ in range(FIT.max_continuations):
             converged = minimum.minimise(
-                evaluations=FIT.max_evaluations,
-                tolerance=FIT.tolerance + tolerated,
-                excess_share=0.0 if len(parameters) else FIT.excess_share_without_effects,
-                prediction_error=FIT.prediction_error,
-                corrections=_corrections(task),
-                partial_renewals=False,
-                poor_steps=FIT.poor_steps,
+                StepRules(
+                    evaluations=FIT.max_evaluations,
+                    tolerance=FIT.tolerance + tolerated,
+                    excess_share=0.0 if len(parameters) else FIT.excess_share_without_effects,
+                    prediction_error=FIT.prediction_error,
+                    corrections=_corrections(task),
+                    partial_renewals=False,
+                    poor_steps=FIT.poor_steps,
+                )
             )
             if converged:
                 break
@@ -176,11 +182,13 @@ def _approach(minimum: BoundedGaussNewton, task: FitTask) -> None:
             return
         weights = inflation_weights(observed, observed.fitted, inflation)
         minimum.minimise(
-            evaluations=FIT.approach_evaluations,
-            tolerance=FIT.coarse_tolerance + len(task.free) * FIT.nuisance_tolerance,
-            excess_share=FIT.excess_share,
-            weights=np.concatenate([weights, np.ones(len(task.free))]),
-            corrections=_corrections(task),
+            StepRules(
+                evaluations=FIT.approach_evaluations,
+                tolerance=FIT.coarse_tolerance + len(task.free) * FIT.nuisance_tolerance,
+                excess_share=FIT.excess_share,
+                corrections=_corrections(task),
+            ),
+            np.concatenate([weights, np.ones(len(task.free))]),
         )
 
 

@@ -1,6 +1,7 @@
 """Bounded least squares with few evaluations: each is a prediction of a whole measurement."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 import scipy
@@ -13,6 +14,32 @@ from modallab.diagnosis.optimisation.settings import DIFFERENCE, LEAST_SQUARES
 ResidualFunction = Callable[[FloatArray], FloatArray]
 JacobianFunction = Callable[[FloatArray, FloatArray], FloatArray]
 """Derivatives (n_data, n) at a position (n,) with residuals (n_data,)."""
+
+
+@dataclass(frozen=True)
+class StepRules:
+    """When the steps of a minimisation end, and when they renew derivatives."""
+
+    evaluations: int
+    """Largest number of steps."""
+    tolerance: float
+    """Gain below which a step is not taken, in squared standard deviations."""
+    excess_share: float = 0.0
+    """Share of the excess of the cost over that of noise, by which a step has to gain more."""
+    goal: float = 0.0
+    """Cost below which the minimisation ends."""
+    prediction_error: float = 0.0
+    """Error of the cost by that of predictions. Two steps in a row that lose less end the minimisation;
+    derivatives whose steps gained less are not renewed. 0 where residuals have weights."""
+    corrections: int = 1
+    """Steps with corrected derivatives, at least, before one that gains slowly renews them."""
+    poor_steps: int = 0
+    """Steps in a row that may gain little or nothing before corrected derivatives are renewed."""
+    renewals: bool = True
+    """Whether derivatives may be renewed; if not, the minimisation ends where they would be."""
+    partial_renewals: bool = True
+    """Whether the first columns may be renewed alone. They do not match the corrected ones: near the
+    minimum, where columns nearly cancel, steps by such derivatives go astray."""
 
 
 class BoundedGaussNewton:
@@ -67,66 +94,36 @@ class BoundedGaussNewton:
         self._recent_corrections = 0
         self._n_partial += 1
 
-    def minimise(
-        self,
-        *,
-        evaluations: int,
-        tolerance: float,
-        excess_share: float = 0.0,
-        weights: FloatArray | None = None,
-        corrections: int = 1,
-        prediction_error: float = 0.0,
-        renewals: bool = True,
-        partial_renewals: bool = True,
-        poor_steps: int = 0,
-        goal: float = 0.0,
-    ) -> bool:
-        """Take steps until one predicts a gain below `tolerance`, in squared standard deviations.
+    def minimise(self, rules: StepRules, weights: FloatArray | None = None) -> bool:
+        """Take steps until one predicts a gain below the tolerance of the rules.
 
         Returns whether that was so: false after all evaluations, at the goal, or where derivatives have to be
         renewed.
 
         Parameters
         ----------
-        evaluations
-            Largest number of steps.
-        excess_share
-            Share of the excess of the cost over that of noise, by which a step has to gain more.
         weights
             (n_data,) of the residuals; all 1 if none are given.
-        corrections
-            Steps with corrected derivatives, at least, before one that gains slowly renews them.
-        prediction_error
-            Error of the cost by that of predictions. Two steps in a row that lose less end the minimisation;
-            derivatives whose steps gained less are not renewed. 0 where residuals have weights.
-        renewals
-            Whether derivatives may be renewed; if not, the minimisation ends where they would be.
-        partial_renewals
-            Whether the first columns may be renewed alone. They do not match the corrected ones: near the
-            minimum, where columns nearly cancel, steps by such derivatives go astray.
-        poor_steps
-            Steps in a row that may gain little or nothing before corrected derivatives are renewed.
-        goal
-            Cost below which the minimisation ends.
         """
         trust_radius, last_gain, n_lost, n_poor = LEAST_SQUARES.first_step, np.inf, 0, 0
-        for _ in range(evaluations):
+        for _ in range(rules.evaluations):
             step, predicted_gain = self._step(trust_radius, weights)
-            slow = predicted_gain > max(LEAST_SQUARES.slow_gain * last_gain, tolerance)
-            if slow and self._recent_corrections >= corrections:
-                if not renewals:
+            slow = predicted_gain > max(LEAST_SQUARES.slow_gain * last_gain, rules.tolerance)
+            if slow and self._recent_corrections >= rules.corrections:
+                if not rules.renewals:
                     return False
-                self._renew(partial_renewals)
+                self._renew(rules.partial_renewals)
                 step, predicted_gain = self._step(trust_radius, weights)
             last_gain = predicted_gain
             cost, n_data = self._cost(self.vector, weights), len(self.vector)
-            least_gain = tolerance * max(1.0, cost / n_data) + excess_share * max(cost - n_data, 0)
+            excess = max(cost - n_data, 0)
+            least_gain = rules.tolerance * max(1.0, cost / n_data) + rules.excess_share * excess
             if not predicted_gain > least_gain:
                 return True
             corrected, longest = self.corrections > 0, float(np.abs(step).max())
             gain = self._try(step, cost, weights)
             # Errors of derivatives promise a gain even at the minimum; those of predictions lose some there.
-            n_lost = n_lost + 1 if -prediction_error < gain <= 0 else 0
+            n_lost = n_lost + 1 if -rules.prediction_error < gain <= 0 else 0
             if not corrected and (abs(gain) < least_gain or n_lost > 1):
                 return True
             if gain > 0:
@@ -135,16 +132,16 @@ class BoundedGaussNewton:
                 trust_radius = longest / LEAST_SQUARES.shrinkage
             poor = self.corrections > 0 and gain <= LEAST_SQUARES.poor_gain * predicted_gain
             n_poor = n_poor + 1 if poor else 0
-            if n_poor > poor_steps:
+            if n_poor > rules.poor_steps:
                 gained = self._cost_at_renewal - self._cost(self.vector, None)
-                no_gain = prediction_error > 0 and gained < prediction_error
-                if not renewals or no_gain:
-                    return renewals
+                no_gain = rules.prediction_error > 0 and gained < rules.prediction_error
+                if not rules.renewals or no_gain:
+                    return rules.renewals
                 n_poor = 0
-                self._renew(partial_renewals and self._recent_corrections > 0)
+                self._renew(rules.partial_renewals and self._recent_corrections > 0)
                 if not self.corrections:  # the derivatives were wrong, not the step too long
                     trust_radius = max(trust_radius, LEAST_SQUARES.first_step)
-            if cost - gain < goal:
+            if cost - gain < rules.goal:
                 return False
         return False
 

@@ -27,7 +27,7 @@ from modallab.diagnosis.searching.search_round import Suspects, fit_candidates
 from modallab.diagnosis.searching.settings import ACCEPTANCE, ROUND, SEARCH
 from modallab.rig.effect import Effect, is_nonlinear
 
-Explains = Callable[[tuple[Effect, ...]], bool]
+ExplanationCriterion = Callable[[tuple[Effect, ...]], bool]
 """Whether effects leave random error alone under tolerances that a later search may assume."""
 
 
@@ -39,7 +39,7 @@ def search(
     max_effects: int,
     progress: Progress,
     first_round: Sequence[Fit] | None = None,
-    explains: Explains | None = None,
+    explains: ExplanationCriterion | None = None,
 ) -> SearchPath:
     """Return the effects that explain the measurement, each of them significant.
 
@@ -94,7 +94,7 @@ def _branches(
     suspects: Suspects,
     max_effects: int,
     progress: Progress,
-    explains: Explains | None,
+    explains: ExplanationCriterion | None,
 ) -> list[SearchPath]:
     """Return paths of one or two effects, one for each of the best kinds; the last may leave only noise."""
     paths: list[SearchPath] = []
@@ -139,7 +139,7 @@ def _extended(
     suspects: Suspects,
     max_effects: int,
     progress: Progress,
-    explains: Explains | None,
+    explains: ExplanationCriterion | None,
 ) -> SearchPath:
     """Return a path with effects added, as long as each is significant and one is missing.
 
@@ -162,7 +162,7 @@ def _extended(
     return path
 
 
-def _is_complete(predictor: Predictor, path: SearchPath, explains: Explains | None) -> bool:
+def _is_complete(predictor: Predictor, path: SearchPath, explains: ExplanationCriterion | None) -> bool:
     """Return whether no effect is missing: what is left is noise, an error of predictions, or tolerated."""
     if is_noise_only(predictor, path.fit) or is_prediction_error(predictor, path):
         return True

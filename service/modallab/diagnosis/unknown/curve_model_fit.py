@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
-from modallab.diagnosis.optimisation.least_squares import BoundedGaussNewton
+from modallab.diagnosis.optimisation.least_squares import BoundedGaussNewton, StepRules
 from modallab.diagnosis.result import FittedParameter
 from modallab.diagnosis.unknown.curve_models import CurveModel, ModelEstimate
 from modallab.diagnosis.unknown.line_by_line import Influence, LineByLine
@@ -51,7 +51,7 @@ def fit_curve_model(
     """
     task = _ModelTask(lines, influence, start, freq, offset)
     minimum = BoundedGaussNewton(task.vector, task.derivatives, task.start, task.bounds)
-    minimum.minimise(evaluations=UNKNOWN.max_steps, tolerance=UNKNOWN.tolerance)
+    minimum.minimise(StepRules(evaluations=UNKNOWN.max_steps, tolerance=UNKNOWN.tolerance))
     values = task.values(minimum.position)
     jacobian = task.derivatives(minimum.position, minimum.vector)
     size = np.sqrt((jacobian**2).sum(axis=0))

@@ -8,6 +8,7 @@ from modallab.core.errors import InvalidInputError
 from modallab.diagnosis.optimisation.least_squares import (
     BoundedGaussNewton,
     JacobianFunction,
+    StepRules,
     finite_difference,
 )
 
@@ -40,7 +41,7 @@ def test_a_nonlinear_fit_comes_home_in_few_evaluations() -> None:
     true = np.array([0.1, 0.2, 0.3])
     problem = Counted(true)
     descent = BoundedGaussNewton(problem.residual, problem.derivatives, np.array([0.2, 0.0, 0.25]), FREE)
-    descent.minimise(evaluations=20, tolerance=1e-4)
+    descent.minimise(StepRules(evaluations=20, tolerance=1e-4))
     # Stops when a step promises 1e-4 of a squared error: within a hundredth of a standard error, 1e-3.
     np.testing.assert_allclose(descent.position, true, atol=1e-4)
     # Six steps at derivatives by differences alone would ask for 1 + 6 (3 + 1).
@@ -71,11 +72,11 @@ def test_without_renewals_a_fit_ends_where_its_derivatives_mislead() -> None:
     far = np.array([1.5, -1.0, 1.2])  # two oscillations off: the first derivatives serve for a few steps
     descent = BoundedGaussNewton(problem.residual, problem.derivatives, far, FREE)
     first = float(descent.vector @ descent.vector)
-    descent.minimise(evaluations=8, tolerance=1e-4, corrections=8, renewals=False)
+    descent.minimise(StepRules(evaluations=8, tolerance=1e-4, corrections=8, renewals=False))
     assert problem.calls <= 1 + 3 + 8  # the start, one Jacobian, a step each
     assert float(descent.vector @ descent.vector) <= first
     before = problem.calls
-    descent.minimise(evaluations=40, tolerance=1e-4)
+    descent.minimise(StepRules(evaluations=40, tolerance=1e-4))
     assert problem.calls > before + 3  # it goes on with new derivatives
 
 
@@ -84,7 +85,7 @@ def test_a_number_comes_to_lie_on_its_bound_and_the_others_make_the_best_of_it()
     bounds = (FREE[0], np.array([10.0, 0.1, 10.0]))
     problem = Counted(true)
     descent = BoundedGaussNewton(problem.residual, problem.derivatives, np.array([0.2, 0.0, 0.25]), bounds)
-    descent.minimise(evaluations=20, tolerance=1e-6)
+    descent.minimise(StepRules(evaluations=20, tolerance=1e-6))
     assert descent.position[1] == 0.1
     # What is free has no slope left: a residual of 1e3 times what is missed is orthogonal to it.
     jacobian = problem.derivatives(descent.position, descent.vector)[:, [0, 2]]
@@ -106,7 +107,7 @@ def test_where_nothing_can_be_predicted_a_step_is_cut_short() -> None:
 
     start = np.array([-0.8, 0.2, 0.3])  # from where the first step goes too far: amplitudes are exponents
     descent = BoundedGaussNewton(residual, problem.derivatives, start, FREE)
-    descent.minimise(evaluations=20, tolerance=1e-4)
+    descent.minimise(StepRules(evaluations=20, tolerance=1e-4))
     assert max(asked) > 0.15
     # As where all can be predicted: within a hundredth of a standard error, 1e-3.
     np.testing.assert_allclose(descent.position, true, atol=1e-4)
@@ -117,7 +118,7 @@ def test_weights_say_whose_errors_count() -> None:
     early = (TIME < 2.0).astype(float)
     problem.measured = problem.measured + (1 - early)  # nonsense where nothing counts
     descent = BoundedGaussNewton(problem.residual, problem.derivatives, np.array([0.2, 0.0, 0.25]), FREE)
-    descent.minimise(evaluations=20, tolerance=1e-4, weights=early)
+    descent.minimise(StepRules(evaluations=20, tolerance=1e-4), early)
     np.testing.assert_allclose(descent.position, [0.1, 0.2, 0.3], atol=1e-3)  # half as many lines
 
 
@@ -128,7 +129,7 @@ def test_a_number_that_nothing_depends_on_stays_where_it_is() -> None:
         np.array([0.0, 0.5]),
         (np.full(2, -10.0), np.full(2, 10.0)),
     )
-    descent.minimise(evaluations=10, tolerance=1e-4)
+    descent.minimise(StepRules(evaluations=10, tolerance=1e-4))
     assert descent.position == pytest.approx([3.0, 0.5])
 
 
@@ -144,7 +145,7 @@ def test_a_fit_ends_where_derivatives_promise_only_their_own_error() -> None:
     bounds = np.array([-1.0]), np.array([1.0])
     descent = BoundedGaussNewton(residual, lambda *_: stated, np.zeros(1), bounds)
     # They promise (0.1 x 30 / 10)^2 = 0.09 by a step of 0.03, which in truth costs (5 x 0.03)^2 = 0.02.
-    descent.minimise(evaluations=20, tolerance=0.03 / 450)
+    descent.minimise(StepRules(evaluations=20, tolerance=0.03 / 450))
     assert evaluated == pytest.approx([0.0, -0.03], rel=1e-3)  # 1 + (0.1 / 10)^2
     assert descent.position == 0.0
 
@@ -159,7 +160,7 @@ def test_a_fit_ends_where_errors_of_predictions_hide_what_steps_gain() -> None:
 
     bounds = np.array([-1.0]), np.array([1.0])
     descent = BoundedGaussNewton(residual, lambda *_: np.array([[0.1], [1.0]]), np.zeros(1), bounds)
-    descent.minimise(evaluations=20, tolerance=1e-9, prediction_error=0.5)
+    descent.minimise(StepRules(evaluations=20, tolerance=1e-9, prediction_error=0.5))
     assert len(evaluated) == 4  # the start, a step that loses 1.1, and two that lose little
     assert descent.position == 0.0
 
@@ -177,7 +178,7 @@ def test_costly_derivatives_are_corrected_before_they_are_renewed() -> None:
             return problem.derivatives(u, here)
 
         descent = BoundedGaussNewton(problem.residual, counted, start, FREE)
-        descent.minimise(evaluations=30, tolerance=1e-4, corrections=corrections)
+        descent.minimise(StepRules(evaluations=30, tolerance=1e-4, corrections=corrections))
         np.testing.assert_allclose(descent.position, true, atol=1e-4)  # a hundredth of a standard error, 1e-3
         renewals.append(n_renewed)
     assert renewals[1] < renewals[0]
@@ -207,7 +208,7 @@ def test_most_renewals_are_of_the_first_derivatives_alone() -> None:
             differentiate_first=differentiate(1),
             partial_renewals=partial_renewals,
         )
-        assert descent.minimise(evaluations=30, tolerance=1e-4)
+        assert descent.minimise(StepRules(evaluations=30, tolerance=1e-4))
         np.testing.assert_allclose(descent.position, true, atol=1e-4)  # a hundredth of a standard error, 1e-3
         n_renewed[partial_renewals] = asked
     assert n_renewed[0][1] == 0
@@ -232,7 +233,9 @@ def test_in_a_curved_valley_shorter_steps_save_renewals() -> None:
         bounds = np.full(2, -5.0), np.full(2, 5.0)
         descent = BoundedGaussNewton(curved_valley, slopes, np.array([-1.2, 1.0]), bounds)
         descent.minimise(
-            evaluations=200, tolerance=1e-6, corrections=20, poor_steps=poor_steps, partial_renewals=False
+            StepRules(
+                evaluations=200, tolerance=1e-6, corrections=20, poor_steps=poor_steps, partial_renewals=False
+            )
         )
         # A step that would gain 1e-6 squares is a thousandth of the weaker residual's standard error long.
         np.testing.assert_allclose(descent.position, [1.0, 1.0], atol=4e-3)
@@ -244,7 +247,7 @@ def test_a_fit_ends_at_its_goal() -> None:
     problem = Counted(np.array([0.1, 0.2, 0.3]))
     descent = BoundedGaussNewton(problem.residual, problem.derivatives, np.array([0.2, 0.0, 0.25]), FREE)
     goal = float(descent.vector @ descent.vector) / 10
-    assert not descent.minimise(evaluations=20, tolerance=1e-4, goal=goal)
+    assert not descent.minimise(StepRules(evaluations=20, tolerance=1e-4, goal=goal))
     assert 1e-4 * goal < float(descent.vector @ descent.vector) < goal
 
 
