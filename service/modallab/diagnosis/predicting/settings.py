@@ -22,8 +22,22 @@ class PredictionSettings(Settings):
         doc="the same over its scatter between blocks of lines",
         derived="3 sigma",
     )
-    force_noise_block: int = setting(
-        8, unit="lines", doc="lines of a block, about a resonance", derived="a resonance is a few lines wide"
+    force_noise_blocks: int = setting(
+        20,
+        unit="blocks",
+        doc="blocks of lines, wider than the distance over which a deviation of the model keeps its sign",
+        derived="a test by 20 scattered values; two blocks a mode in a band of ten",
+    )
+    sensitivity_error: float = setting(
+        0.03,
+        doc="error of a sensitivity that FRFs may have where they are to tell noise of the force",
+        derived="the tolerance of the preset for students",
+    )
+    sensitivities: int = setting(
+        25,
+        unit="sensitivities",
+        doc="sensitivities that are tried",
+        derived="steps of 0.25 %, below the random error of an FRF",
     )
     coarse_lines: int = setting(130, unit="lines", doc="lines of a coarse prediction, at least", tuned=TESTS)
     remaining_decay: float = setting(

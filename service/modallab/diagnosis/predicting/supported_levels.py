@@ -20,7 +20,8 @@ def with_supported_force_noise(structure: Structure, setup: RigSetup, observed: 
     lowers the coherence alone. Where no log book declares it, the coherence cannot distinguish them, but the
     FRFs may: by the Cauchy loss of their residuals, which is little changed by a local effect that the model
     lacks. Noise makes FRFs lower everywhere; in a model that is a little wrong the loss differs here and
-    there, one way and the other, and says nothing unless the difference is beyond that scatter.
+    there, one way and the other, and says nothing unless the difference is beyond that scatter. Nor does an
+    FRF that is lower, or higher, by no more than the sensitivity of its accelerometer may be wrong.
     """
     levels = observed.free_levels
     if not levels.force_noise:
@@ -28,8 +29,7 @@ def with_supported_force_noise(structure: Structure, setup: RigSetup, observed: 
     without = replace(observed, free_levels=replace(levels, force_noise=False))
     losses = [_losses(structure, setup, each) for each in (observed, without)]
     difference = losses[0] - losses[1]
-    starts = np.arange(0, len(difference), PREDICTION.force_noise_block)
-    by_block = np.add.reduceat(difference, starts)
+    by_block = np.array([block.sum() for block in np.array_split(difference, PREDICTION.force_noise_blocks)])
     scatter = float(np.sqrt(np.sum(by_block**2)))
     total = float(by_block.sum())
     contradicts = total > max(PREDICTION.force_noise_loss, PREDICTION.force_noise_scatter * scatter)
@@ -37,7 +37,17 @@ def with_supported_force_noise(structure: Structure, setup: RigSetup, observed: 
 
 
 def _losses(structure: Structure, setup: RigSetup, observed: Observed) -> FloatArray:
-    """Return the Cauchy loss (n_freq,) of the FRFs at each line, over the number of correlated lines."""
+    """Return the Cauchy loss (n_freq,) of the FRFs at each line, over the number of correlated lines.
+
+    Each FRF has the gain of least loss within the error of a sensitivity.
+    """
     predicted = SingleTestPredictor.of(structure, setup, observed).predict(())
-    squares = np.where(observed.fitted, np.abs(residual(observed, predicted).frf) ** 2, 0.0)
-    return np.asarray(np.log1p(squares).sum(axis=1) / observed.correlation_length)
+    error, n = PREDICTION.sensitivity_error, PREDICTION.sensitivities
+
+    def losses(gain: float) -> FloatArray:
+        frf = residual(observed, replace(predicted, h=gain * predicted.h)).frf
+        return np.log1p(np.where(observed.fitted, np.abs(frf) ** 2, 0.0))
+
+    by_gain = np.array([losses(float(gain)) for gain in np.linspace(1 - error, 1 + error, n)])
+    least = by_gain.sum(axis=1).argmin(axis=0)[None, None]
+    return np.asarray(np.take_along_axis(by_gain, least, axis=0)[0].sum(axis=1) / observed.correlation_length)

@@ -70,3 +70,11 @@ def test_noise_of_the_responses_alone_is_no_missing_effect() -> None:
     assert found.verdict is Verdict.NOTHING_MISSING
     assert any("none is assumed" in note for note in found.notes)
     assert any("force_noise, response_noise, quantisation not judged" in note for note in found.notes)
+
+
+def test_a_sensitivity_that_is_a_little_wrong_does_not_contradict_noise_of_the_force() -> None:
+    """FRFs 0.5 % too high are higher than noise of a thousandth of the force makes them."""
+    test = undeclared([], force_noise=1e-3)
+    test = replace(test, frf=replace(test.frf, values=1.005 * test.frf.values))
+    found = with_supported_force_noise(model(), test.setup, observe(test, (), fraction=0.0))
+    assert found.free_levels.force_noise
