@@ -13,7 +13,7 @@ from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.search_result import SearchResult
 from modallab.diagnosis.searching.acceptance import is_noise_only, ranked_by_bic
 from modallab.diagnosis.searching.search_path import SearchPath, kind_and_place, refine_path
-from modallab.diagnosis.searching.settings import ROUND, SEARCH
+from modallab.diagnosis.searching.settings import ROUND
 from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.rig.effect import Effect
 
@@ -51,21 +51,20 @@ def refitted_round(fits: Sequence[Fit], second: SearchResult, alone: Fit) -> lis
 
 
 def refitted_path(path: SearchPath, second: SearchResult) -> SearchPath | None:
-    """Return a path of several effects under the second tolerances, if it explains the measurement there.
-
-    None if it does not, or if tolerances may hide one of its effects.
-    """
+    """Return a path under the second tolerances, if its effects explain the measurement there."""
     effects = path.fit.effects
-    if len(effects) < SEARCH.pair:
+    if not effects or not second.explains(effects):
         return None
-    complete = second.with_effects(effects)
-    if not is_noise_only(second.predictor, complete):
-        return None
-    without_one = [second.with_effects(effects[:i] + effects[i + 1 :]) for i in range(len(effects))]
-    if any(_may_hide_effect(path.fit, complete, reduced) for reduced in without_one):
-        return None
-    steps = (*path.steps[:-1], replace(path.steps[-1], fit=complete))
+    steps = (*path.steps[:-1], replace(path.steps[-1], fit=second.with_effects(effects)))
     return refine_path(second.predictor, SearchPath(second.path.start, steps))
+
+
+def may_hide_one_of(path: SearchPath, second: SearchResult) -> bool:
+    """Return whether the second tolerances may hide one of the effects of a path."""
+    effects = path.fit.effects
+    complete = second.with_effects(effects)
+    without_one = [second.with_effects(effects[:i] + effects[i + 1 :]) for i in range(len(effects))]
+    return any(_may_hide_effect(path.fit, complete, reduced) for reduced in without_one)
 
 
 def explains_more(under_stated: Fit, under_assumed: Fit) -> bool:

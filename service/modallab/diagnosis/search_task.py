@@ -7,7 +7,13 @@ from functools import cached_property
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.progress import Progress, Pulse, part
-from modallab.diagnosis.assumed_tolerances import deviate_far, explains_more, refitted_path, refitted_round
+from modallab.diagnosis.assumed_tolerances import (
+    deviate_far,
+    explains_more,
+    may_hide_one_of,
+    refitted_path,
+    refitted_round,
+)
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.fitting.visible_nuisances import with_visible_nuisances
@@ -98,6 +104,9 @@ class SearchTask:
     ) -> tuple[SearchResult, Tolerances | None]:
         """Return what `run` does where no single effect leaves random error alone under stated tolerances.
 
+        Where tolerances may hide an effect the search under the assumed ones begins anew. It may miss effects
+        that leave random error alone under both: these are then kept.
+
         Parameters
         ----------
         first, second
@@ -116,10 +125,14 @@ class SearchTask:
                 found = self._search_from(first, self.max_effects, stage, single_effects, second.explains)
                 if _explains_frfs(found):
                     return found, None
-                if (path := refitted_path(found.path, second)) is not None:
+                path = refitted_path(found.path, second)
+                if path is not None and not may_hide_one_of(found.path, second):
                     return replace(second, path=path), assumed
         refitted = refitted_round(single_effects, second, alone)
         further = self._search_from(second, self.max_effects, part(pulse, 0.75, 1.0), refitted)
+        path = refitted_path(found.path, second)
+        if path is not None and (further.unexplained_parts or path.fit.bic < further.path.fit.bic):
+            return replace(second, path=path), assumed
         if further.unexplained_parts and explains_more(found.path.fit, further.path.fit):
             return found, None
         return further, assumed

@@ -143,20 +143,37 @@ def test_an_error_of_predictions_is_not_searched_under_assumed_tolerances(
     assert not found.tolerated
 
 
+def found_under_stated_tolerances_alone(
+    predictor: Predictor, start: Fit, suspects: Any, **given: Any
+) -> SearchPath:
+    """A search that finds nothing where tolerances are free."""
+    if len(predictor.nuisances):
+        return SearchPath(start)
+    return search(predictor, start, suspects, **given)
+
+
 def test_a_second_search_that_ends_worse_than_the_first_does_not_count(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    def lost(predictor: Predictor, start: Fit, suspects: Any, **given: Any) -> SearchPath:
-        if len(predictor.nuisances):
-            return SearchPath(start)
-        return search(predictor, start, suspects, **given)
-
-    monkeypatch.setattr(search_task, "search", lost)
+    monkeypatch.setattr(search_task, "search", found_under_stated_tolerances_alone)
     monkeypatch.setattr(search_task, "refitted_path", lambda *_: None)
     hidden = ExtraMass(Dof(4, "Y"), 0.2), GainError(Channels((Dof(5, "Y"),)), 1.3)
     found = diagnosed(*hidden, INEXACT, max_effects=2)
     assert {step.effect.kind for step in found.steps} == {"extra_mass", "gain_error"}
     assert not any("assumed" in note for note in found.notes)
+
+
+def test_what_explains_under_both_tolerances_is_kept_where_the_second_search_misses_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Tolerances that deviate far close more of the gap than an effect, and the search begins anew."""
+    monkeypatch.setattr(search_task, "search", found_under_stated_tolerances_alone)
+    monkeypatch.setattr(assumed_tolerances, "_may_hide_effect", lambda *_: True)
+    hidden = ExtraMass(Dof(4, "Y"), 0.2), GainError(Channels((Dof(5, "Y"),)), 1.3)
+    found = diagnosed(*hidden, INEXACT, max_effects=2)
+    assert {step.effect.kind for step in found.steps} == {"extra_mass", "gain_error"}
+    assert found.verdict is Verdict.EXPLAINED
+    assert any("assumed" in note for note in found.notes)
 
 
 @pytest.mark.parametrize(("by_tolerances", "hidden"), [(9.0, False), (11.0, True)])
