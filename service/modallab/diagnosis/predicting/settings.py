@@ -11,33 +11,27 @@ TESTS = "simulated tests of the suite"
 class PredictionSettings(Settings):
     """Coarse predictions and their cost."""
 
-    force_noise_loss: float = setting(
-        10.0,
-        doc="decrease of the Cauchy loss of the FRFs from which they contradict noise of the force",
-        derived="a likelihood ratio of 1 in 20,000",
+    lowering_share: float = setting(
+        0.5,
+        doc="share of the lowering by noise of the force, up to which FRFs are taken to show none of it",
+        derived="nearer to none than to all",
     )
-    force_noise_scatter: float = setting(
+    lowering_errors: float = setting(
         3.0,
-        unit="standard deviations",
-        doc="the same over its scatter between blocks of lines",
+        unit="standard errors",
+        doc="distance of that share from 1 from which FRFs contradict the noise",
         derived="3 sigma",
     )
-    force_noise_blocks: int = setting(
+    lowering_blocks: int = setting(
         20,
         unit="blocks",
         doc="blocks of lines, wider than the distance over which a deviation of the model keeps its sign",
-        derived="a test by 20 scattered values; two blocks a mode in a band of ten",
+        derived="two a mode in a band of ten",
     )
     sensitivity_error: float = setting(
         0.03,
-        doc="error of a sensitivity that FRFs may have where they are to tell noise of the force",
+        doc="error of a sensitivity where FRFs are to tell noise of the force, one standard deviation",
         derived="the tolerance of the preset for students",
-    )
-    sensitivities: int = setting(
-        25,
-        unit="sensitivities",
-        doc="sensitivities that are tried",
-        derived="steps of 0.25 %, below the random error of an FRF",
     )
     coarse_lines: int = setting(130, unit="lines", doc="lines of a coarse prediction, at least", tuned=TESTS)
     remaining_decay: float = setting(

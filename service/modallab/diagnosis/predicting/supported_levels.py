@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from modallab.core.arrays import FloatArray
+from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.diagnosis.predicting.settings import PREDICTION
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import Observed
+from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.diagnosis.residuals.residual import residual
 from modallab.fe.structure import Structure
 from modallab.rig.setup import RigSetup
@@ -18,36 +19,58 @@ def with_supported_force_noise(structure: Structure, setup: RigSetup, observed: 
 
     Noise of the force lowers the coherence, and H1 with it: so does other noise, of whatever spectrum, which
     lowers the coherence alone. Where no log book declares it, the coherence cannot distinguish them, but the
-    FRFs may: by the Cauchy loss of their residuals, which is little changed by a local effect that the model
-    lacks. Noise makes FRFs lower everywhere; in a model that is a little wrong the loss differs here and
-    there, one way and the other, and says nothing unless the difference is beyond that scatter. Nor does an
-    FRF that is lower, or higher, by no more than the sensitivity of its accelerometer may be wrong.
+    FRFs may, by the share of the lowering that they show: 1 if it is there, 0 if it is not. In a model that
+    deviates by more than the lowering the share is far from both, and says nothing.
     """
     levels = observed.free_levels
     if not levels.force_noise:
         return observed
     without = replace(observed, free_levels=replace(levels, force_noise=False))
-    losses = [_losses(structure, setup, each) for each in (observed, without)]
-    difference = losses[0] - losses[1]
-    by_block = np.array([block.sum() for block in np.array_split(difference, PREDICTION.force_noise_blocks)])
-    scatter = float(np.sqrt(np.sum(by_block**2)))
-    total = float(by_block.sum())
-    contradicts = total > max(PREDICTION.force_noise_loss, PREDICTION.force_noise_scatter * scatter)
+    with_noise, predicted = (
+        SingleTestPredictor.of(structure, setup, each).predict(()) for each in (observed, without)
+    )
+    share, error = _share_of_lowering(observed, predicted, with_noise)
+    near_zero = abs(share) < PREDICTION.lowering_share
+    contradicts = near_zero and 1 - share > PREDICTION.lowering_errors * error
     return without if contradicts else observed
 
 
-def _losses(structure: Structure, setup: RigSetup, observed: Observed) -> FloatArray:
-    """Return the Cauchy loss (n_freq,) of the FRFs at each line, over the number of correlated lines.
+def _share_of_lowering(
+    observed: Observed, predicted: Predicted, with_noise: Predicted
+) -> tuple[float, float]:
+    """Return the share of the lowering by noise of the force that the FRFs show, and its standard error.
 
-    Each FRF has the gain of least loss within the error of a sensitivity.
+    By weighted least squares, with the weights of a Cauchy loss: a local effect that the model lacks changes
+    the share little. The sensitivity of every FRF is free within a prior. The error is that by the scatter
+    between blocks of lines, since a deviation of the model keeps its sign over many lines: Liang and Zeger,
+    Biometrika 73 (1986), 13.
+
+    Parameters
+    ----------
+    predicted, with_noise
+        Predictions without and with the noise.
     """
-    predicted = SingleTestPredictor.of(structure, setup, observed).predict(())
-    error, n = PREDICTION.sensitivity_error, PREDICTION.sensitivities
+    frf = residual(observed, predicted).frf
+    lowered = residual(observed, with_noise).frf - frf
+    higher = residual(observed, replace(predicted, h=2 * predicted.h)).frf - frf
+    weights = observed.fitted / (1 + np.abs(frf) ** 2) / observed.correlation_length
+    blocks = np.array_split(np.arange(len(frf)), PREDICTION.lowering_blocks)
 
-    def losses(gain: float) -> FloatArray:
-        frf = residual(observed, replace(predicted, h=gain * predicted.h)).frf
-        return np.log1p(np.where(observed.fitted, np.abs(frf) ** 2, 0.0))
+    def products(a: ComplexArray, b: ComplexArray) -> FloatArray:
+        """Return weighted scalar products (n_blocks, n_out)."""
+        by_line = weights * (a.conj() * b).real
+        return np.array([by_line[block].sum(axis=0) for block in blocks])
 
-    by_gain = np.array([losses(float(gain)) for gain in np.linspace(1 - error, 1 + error, n)])
-    least = by_gain.sum(axis=1).argmin(axis=0)[None, None]
-    return np.asarray(np.take_along_axis(by_gain, least, axis=0)[0].sum(axis=1) / observed.correlation_length)
+    of_lowering, of_gains = products(lowered, lowered).sum(), products(higher, higher).sum(axis=0)
+    if not of_lowering > 0:
+        return 0.0, np.inf
+    prior = np.full(len(of_gains), PREDICTION.sensitivity_error**-2)
+    mixed = products(lowered, higher).sum(axis=0)
+    curvature = np.block([[of_lowering, mixed], [mixed[:, None], np.diag(of_gains + prior)]])
+    covariance = np.linalg.inv(curvature)
+    slopes = products(lowered, frf).sum(), *products(higher, frf).sum(axis=0)
+    share, *gains = -covariance @ slopes
+    remaining = frf + share * lowered + np.array(gains) * higher
+    scores = np.column_stack([products(lowered, remaining).sum(axis=1), products(higher, remaining)])
+    scatter = scores.T @ scores + np.diag([0.0, *prior])
+    return float(share), float(np.sqrt((covariance @ scatter @ covariance)[0, 0]))
