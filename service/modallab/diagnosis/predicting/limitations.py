@@ -6,7 +6,9 @@ import numpy as np
 
 from modallab.core.frf import FrfKind
 from modallab.diagnosis.predicting.settings import LIMITATIONS
+from modallab.diagnosis.residuals.channel_spectra import ChannelSpectra
 from modallab.diagnosis.residuals.free_levels import FreeLevels
+from modallab.diagnosis.residuals.mains_lines import hum_frequencies
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.settings import RANDOM_ERROR
 from modallab.extraction.preprocessing.reciprocity import reciprocity
@@ -28,6 +30,7 @@ def limitations(measurement: Measurement, observed: Observed) -> tuple[str, ...]
         *_of_random_errors(measurement),
         *_of_levels(FreeLevels.of(measurement.setup, simulated=measurement.route is not None), observed),
         *_of_noise_reference(observed),
+        *_of_hum(measurement),
         *_of_lines(observed),
     )
 
@@ -144,6 +147,18 @@ def _of_random_errors(measurement: Measurement) -> Iterator[str]:
         yield f"beside the random error that coherence tells, every FRF is given one of {floor:g} of itself"
     if measurement.averages < LIMITATIONS.few_averages:
         yield f"{measurement.averages:g} averages: the random errors themselves are known poorly"
+
+
+def _of_hum(measurement: Measurement) -> Iterator[str]:
+    if measurement.route is not None:  # its hum is an effect like any other
+        return
+    responses = hum_frequencies(measurement.setup.analyser, ChannelSpectra.of(measurement))
+    if responses:
+        most, frequencies = max(responses.values()), ", ".join(f"{line:g}" for line in sorted(responses))
+        yield (
+            f"mains hum: the coherence of {most} of {len(measurement.frf.outputs)} responses "
+            f"falls at {frequencies} Hz; these lines are given little weight"
+        )
 
 
 def _of_lines(observed: Observed) -> Iterator[str]:

@@ -1,5 +1,6 @@
 """Lines of the mains: hum in force and response does not average out of an FRF."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -44,7 +45,21 @@ def force_shares(analyser: Analyser, spectra: ChannelSpectra) -> FloatArray:
     A response hums where its incoherent power stands out of that of the lines beside, at the mains
     frequency and at the multiple of it.
     """
-    shares, noise = np.zeros(spectra.h.shape), _incoherent_power(spectra)
+    shares = np.zeros(spectra.h.shape)
+    for sine, hums in _loud_sines(analyser, spectra):
+        loud = sine.lines[:, None] & hums
+        shares = np.where(loud, np.maximum(shares, sine.force_share(spectra)), shares)
+    return shares
+
+
+def hum_frequencies(analyser: Analyser, spectra: ChannelSpectra) -> dict[float, int]:
+    """Return the mains frequency and its multiples at which responses hum, Hz, with how many of them do."""
+    return {sine.frequency: int(hums.sum()) for sine, hums in _loud_sines(analyser, spectra)}
+
+
+def _loud_sines(analyser: Analyser, spectra: ChannelSpectra) -> "Iterator[tuple[_Sine, BoolArray]]":
+    """Yield the sines that stand out of the incoherent power of responses (n_out,), with these."""
+    noise = _incoherent_power(spectra)
     for mains in MAINS_LINES.frequencies if noise is not None else ():
         orders = range(1, MAINS_LINES.max_order + 1)
         sines = [_Sine.of(spectra.freq, order, mains, analyser) for order in orders]
@@ -52,10 +67,8 @@ def force_shares(analyser: Analyser, spectra: ChannelSpectra) -> FloatArray:
             continue
         hums = sines[0].is_loud(noise)
         for sine in sines:
-            if sine is not None:
-                loud = sine.lines[:, None] & hums & sine.is_loud(noise)
-                shares = np.where(loud, np.maximum(shares, sine.force_share(spectra)), shares)
-    return shares
+            if sine is not None and (loud := hums & sine.is_loud(noise)).any():
+                yield sine, loud
 
 
 def _incoherent_power(spectra: ChannelSpectra) -> FloatArray | None:
@@ -72,6 +85,8 @@ def _incoherent_power(spectra: ChannelSpectra) -> FloatArray | None:
 class _Sine:
     """A sine among the lines of an analyser."""
 
+    frequency: float
+    """Hz."""
     lines: BoolArray
     """(n_freq,) lines to which the window carries it."""
     beside: BoolArray
@@ -88,7 +103,8 @@ class _Sine:
         farthest = min(reach + MAINS_LINES.lines_beside, mains / analyser.spacing / 2)
         lines = distance < reach + MAINS_LINES.tolerance
         beside = (distance > reach + 1) & (distance < farthest)
-        return cls(lines, beside) if lines.any() and beside.sum() >= MAINS_LINES.least_beside else None
+        enough = lines.any() and beside.sum() >= MAINS_LINES.least_beside
+        return cls(order * mains, lines, beside) if enough else None
 
     def _ratio(self, power: FloatArray) -> FloatArray:
         """Return the largest power (n,) of its lines over the median of those beside."""

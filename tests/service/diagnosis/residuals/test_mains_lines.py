@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from modallab.diagnosis.predicting.limitations import limitations
 from modallab.diagnosis.residuals.channel_spectra import ChannelSpectra
 from modallab.diagnosis.residuals.mains_lines import force_shares
 from modallab.diagnosis.residuals.observe import observe
@@ -78,3 +79,15 @@ def test_the_share_of_hum_in_the_force_is_that_of_its_spectrum(quiet: Measuremen
     shares = force_shares(humming.setup.analyser, ChannelSpectra.of(humming))[LINE]
     # The largest of three lines, which scatter by 10 %, and 10 % that chance may hide
     np.testing.assert_allclose(shares, true / (1 + true) + 0.1, atol=0.3)
+
+
+def test_a_test_that_hums_says_so(quiet: Measurement) -> None:
+    humming = with_hum(quiet, 0.3, 3.0)
+    both = with_hum(humming, 0.3, 3.0, order=2)
+    n = len(quiet.frf.outputs)
+    for hums, frequencies in ((humming, "60"), (both, "60, 120")):
+        test = replace(hums, force_spectrum=None, response_spectrum=None)
+        (note,) = [note for note in limitations(test, observe(test, (), fraction=0.0)) if "hum" in note]
+        assert note.startswith(f"mains hum: the coherence of {n} of {n} responses falls at {frequencies} Hz")
+    uploaded = replace(quiet, route=None)
+    assert not any("hum" in note for note in limitations(uploaded, observe(uploaded, (), fraction=0.0)))
