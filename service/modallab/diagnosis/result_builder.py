@@ -13,6 +13,7 @@ from modallab.diagnosis.optimisation.nuisances import FIELDS, Nuisances
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.predicting.unmeasured import unmeasured_inertance
 from modallab.diagnosis.residuals.observed import Observed
+from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.diagnosis.residuals.residual import gap_error
 from modallab.diagnosis.result import (
     EquivalentEffect,
@@ -162,13 +163,20 @@ def curves(
             observed.force, initial.force, final.force, observed.force_variance, _forces_in_order(observed)
         ),
         incoherent=_spectra(
-            observed.incoherent,
+            _incoherent(observed, initial),
             initial.incoherent,
             final.incoherent,
             observed.incoherent_variance,
             np.flatnonzero(stands_for_response(observed.channels)),
         ),
     )
+
+
+def _incoherent(observed: Observed, initial: Predicted) -> FloatArray | None:
+    """Return the incoherent spectra; those over the force at the expected one."""
+    if observed.incoherent is None or not observed.per_force:
+        return observed.incoherent
+    return observed.incoherent * observed.force_of_channels(initial)
 
 
 def _forces_in_order(observed: Observed) -> IntArray:

@@ -186,6 +186,11 @@ class Noise:
         """1, ratio of the response channels; 0 of an absolute or unknown noise."""
         return _ratio(self.response)
 
+    @property
+    def absolute(self) -> bool:
+        """Whether the noise of either side is a density."""
+        return isinstance(self.force, NoiseDensity) or isinstance(self.response, NoiseDensity)
+
     def densities(self, forces: Sequence[Dof], responses: Sequence[Dof]) -> list[float]:
         """Return the absolute noise of force channels, then of response channels, unit^2/Hz."""
         parts = ((self.force, forces), (self.response, responses))

@@ -27,6 +27,7 @@ def limitations(measurement: Measurement, observed: Observed) -> tuple[str, ...]
     """
     return (
         *_of_quantities(measurement),
+        *_of_responses(measurement, observed),
         *_of_random_errors(measurement),
         *_of_levels(FreeLevels.of(measurement.setup, simulated=measurement.route is not None), observed),
         *_of_noise_reference(observed),
@@ -48,8 +49,16 @@ def _of_quantities(measurement: Measurement) -> Iterator[str]:
         )
     if measurement.force_spectrum is None:
         yield "no force spectrum: what only the force shows, as the exciter's own mass, cannot be seen"
-    if measurement.response_spectrum is None:
-        yield "no response spectra: noise and leakage show in the coherence alone, which is not compared"
+
+
+def _of_responses(measurement: Measurement, observed: Observed) -> Iterator[str]:
+    if measurement.response_spectrum is not None:
+        return
+    compared = observed.incoherent is not None
+    yield (
+        "no response spectra: noise and leakage show in the coherence alone, which is "
+        + ("compared with that of the declared noise" if compared else "not compared")
+    )
 
 
 def _of_reciprocity(measurement: Measurement) -> Iterator[str]:

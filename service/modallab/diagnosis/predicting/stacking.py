@@ -199,9 +199,11 @@ class SpectrumStack:
             )
             if any(part.shape_variance is not None for part in parts):
                 spectra["shape_variance"] = self.forces([_shape_variance(part) for part in parts])
+        alike = len({part.per_force for part in parts}) == 1
         for name in ("incoherent", "incoherent_variance"):
             arrays = [array for part in parts if (array := getattr(part, name)) is not None]
-            spectra[name] = self.channels(arrays, 1.0) if len(arrays) == len(parts) else None
+            spectra[name] = self.channels(arrays, 1.0) if alike and len(arrays) == len(parts) else None
+        spectra["per_force"] = parts[0].per_force
         return spectra
 
 

@@ -205,7 +205,8 @@ def _incoherent(observed: "Observed", force: FloatArray) -> tuple[FloatArray | N
         (n_freq, n) expected spectrum of the first force, by response.
     """
     if observed.incoherent is not None:
-        return observed.incoherent, observed.incoherent_variance
+        incoherent = observed.incoherent * force if observed.per_force else observed.incoherent
+        return incoherent, observed.incoherent_variance
     g2 = observed.coherence
     if not (g2[observed.usable] < 1 - COHERENCE_ROUNDING).any() or not np.isfinite(observed.averages):
         return None, None

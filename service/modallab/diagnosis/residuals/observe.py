@@ -32,6 +32,7 @@ from modallab.estimation.settings import FORCE_NOISE
 from modallab.estimation.windows import WINDOWS
 from modallab.rig.frf_channel import stands_for_response
 from modallab.rig.measurement import Measurement
+from modallab.rig.setup import RigSetup
 
 
 def _from_zero_frequency(measurement: Measurement) -> Measurement:
@@ -71,12 +72,15 @@ def observe(measurement: Measurement, held_out: Sequence[FrfSelection], *, fract
     error = np.sqrt(coherence_variance + (line_error * weak_line_factor(h)) ** 2 + prediction_error**2)
     # Power has twice the relative error of amplitude.
     variance_floor = 4 * (noise_floor**2 + prediction_error**2)
-    incoherent, incoherent_variance = incoherent_spectrum(spectra, variance_floor)
+    free_levels = FreeLevels.of(measurement.setup, simulated=measurement.route is not None)
+    per_force = spectra.response is None and spectra.force is None
+    incoherent = incoherent_variance = None
+    if spectra.response is not None or _declares_coherence(measurement.setup, free_levels):
+        incoherent, incoherent_variance = incoherent_spectrum(spectra, h, variance_floor)
     force, force_variance = force_spectrum(spectra, variance_floor)
     channels, lines = _held_out(spectra, held_out, fraction)
     compared = comparable_lines(analyser, spectra.freq, mean_kept=measurement.route is not None)
     usable = (g2 > FORCE_NOISE.min_coherence) & compared[:, None] & (np.abs(h) > 0)
-    free_levels = FreeLevels.of(measurement.setup, simulated=measurement.route is not None)
     shape_variances: FloatArray | None = None
     if free_levels.shape and force is not None:
         shown = np.asarray(usable.reshape(*force.shape, -1).any(axis=2))
@@ -93,6 +97,7 @@ def observe(measurement: Measurement, held_out: Sequence[FrfSelection], *, fract
         force_variance=force_variance,
         incoherent=incoherent,
         incoherent_variance=incoherent_variance,
+        per_force=per_force,
         usable=usable,
         held_out=channels,
         held_out_lines=lines,
@@ -113,6 +118,14 @@ def observe(measurement: Measurement, held_out: Sequence[FrfSelection], *, fract
         observed = with_mains_errors(observed, analyser, spectra)
     _check_fittable(observed)
     return observed
+
+
+def _declares_coherence(setup: RigSetup, levels: FreeLevels) -> bool:
+    """Return whether a log book tells the coherence to expect where no response spectrum is known.
+
+    Noise of unknown spectrum may lower it anyhow, and absolute noise by as much as the level has it.
+    """
+    return not levels.noise and not (levels.source and setup.noise.absolute)
 
 
 def _line_error(spectra: ChannelSpectra, scatter: Sequence[Estimate] | None) -> FloatArray | float:

@@ -9,7 +9,7 @@ from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.core.dof import Dof
 from modallab.diagnosis.residuals.decorrelation import Decorrelation
 from modallab.diagnosis.residuals.free_levels import ALL_DECLARED, FreeLevels
-from modallab.diagnosis.residuals.predicted import VarianceRatios
+from modallab.diagnosis.residuals.predicted import Predicted, VarianceRatios
 from modallab.diagnosis.residuals.settings import RANDOM_ERROR
 from modallab.diagnosis.residuals.source_power import SourcePower
 from modallab.diagnosis.residuals.white_noise import WhiteNoise
@@ -41,7 +41,7 @@ class Observed:
     force_variance: FloatArray | float
     """(n_freq, n_force), variance of the logarithm of `force`."""
     incoherent: FloatArray | None
-    """(n_freq, n_out), (m/s^2)^2/Hz, response spectrum times 1 - coherence."""
+    """(n_freq, n_out), (m/s^2)^2/Hz, response spectrum times 1 - coherence; see `per_force`."""
     incoherent_variance: FloatArray | None
     """(n_freq, n_out), variance of its logarithm."""
     usable: BoolArray
@@ -75,6 +75,8 @@ class Observed:
     """Forces that act at the same time."""
     decorrelation: Decorrelation | None = None
     """Correlated errors of FRFs to simultaneous forces."""
+    per_force: bool = False
+    """Whether the incoherent spectra are those over the force spectrum, 1/kg^2: neither is known alone."""
     stacked_forces: IntArray | None = None
     """(n_out,) number of each FRF's force spectrum in a stack of tests; None: of one test."""
     force_correlation: ComplexArray | None = None
@@ -143,6 +145,16 @@ class Observed:
         """Return the noise that the log book leaves open, fitted beside expected spectra; None without it."""
         levels = self.free_levels
         return levels.fitted_noise(levels.with_source(spectra, self), self) if levels.noise else None
+
+    def force_of_channels(self, predicted: Predicted) -> FloatArray:
+        """Return the expected force spectrum of each FRF, (n_freq, n_out)."""
+        return predicted.force[:, self.forces]
+
+    def expected_incoherent(self, predicted: Predicted) -> FloatArray:
+        """Return the incoherent spectra (n_freq, n_out) of a prediction, as they were measured."""
+        if not self.per_force:
+            return predicted.incoherent
+        return predicted.incoherent / self.force_of_channels(predicted)
 
     @property
     def level_known(self) -> bool:

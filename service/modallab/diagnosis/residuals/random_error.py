@@ -104,27 +104,44 @@ def weak_line_factor(h: ComplexArray) -> FloatArray:
 
 
 def incoherent_spectrum(
-    spectra: ChannelSpectra, variance_floor: float
+    spectra: ChannelSpectra, h: ComplexArray, variance_floor: float
 ) -> tuple[FloatArray | None, FloatArray | None]:
     """Return G_xx (1 - coherence) and the variance of its logarithm, both (n_freq, n_out).
 
     The expectation of the logarithm is unbiased. With several simultaneous forces the coherence is the
-    multiple one, and equal for all FRFs of a response.
+    multiple one, and equal for all FRFs of a response. Where no response spectrum is known, the spectrum
+    follows from the FRF, the coherence and the force spectrum; without that it is the one over the force.
 
     Parameters
     ----------
+    h
+        (n_freq, n_out), H1.
     variance_floor
         Least variance of the logarithm.
     """
-    response, g2, n = spectra.response, spectra.response_coherence, spectra.conditional_averages
-    if response is None or g2 is None or n <= RANDOM_ERROR.min_averages:
+    g2, n = spectra.response_coherence, spectra.conditional_averages
+    if g2 is None or n <= RANDOM_ERROR.min_averages:
         return None, None
+    response = spectra.response
+    if response is None:
+        if spectra.n_simultaneous > 1 or not (g2 < 1 - COHERENCE_ROUNDING).any():
+            return None, None
+        force = 1.0 if spectra.force_by_channel is None else spectra.force_by_channel
+        response = force * np.abs(h) ** 2 / np.maximum(g2, FORCE_NOISE.min_coherence)
     incoherent, floor = response * (1 - g2), COHERENCE_ROUNDING * response
     # Where rounding is the larger part, the logarithm has an error of order one.
     rounding = floor / (incoherent + floor + SAFE_DIVISOR)
     variance = polygamma(1, n - 1) * (1 - rounding) ** 2 + rounding**2 + variance_floor
     unbiased = incoherent * np.exp(np.log(spectra.averages) - digamma(n - 1))
+    if spectra.response is None and spectra.force is None and not _repeats(spectra):
+        unbiased *= np.exp(digamma(spectra.averages) - np.log(spectra.averages))
+        variance = variance + polygamma(1, spectra.averages)
     return replace_zeros(unbiased + floor), np.asarray(variance)
+
+
+def _repeats(spectra: ChannelSpectra) -> bool:
+    """Return whether the force is the same in every average."""
+    return EXCITATIONS[spectra.excitation.kind].deterministic
 
 
 def force_spectrum(

@@ -171,7 +171,7 @@ def residual(observed: Observed, predicted: Predicted, *, noise_inflation: float
         force = np.log(observed.force / predicted.force) / np.sqrt(force_variance)
     if observed.incoherent is not None and observed.incoherent_variance is not None:
         error = np.sqrt(observed.incoherent_variance + inflation)
-        response = np.log(observed.incoherent / predicted.incoherent) / error
+        response = np.log(observed.incoherent / observed.expected_incoherent(predicted)) / error
     return Residual(
         frf,
         force,
