@@ -26,9 +26,10 @@ def at_level(setup: RigSetup, factor: float) -> RigSetup:
 
 
 def frfs_only(setup: RigSetup, effect: Effect) -> Predictor:
-    """A predictor of what an effect makes of the FRFs, without random error; auto spectra not stored."""
+    """A predictor of what an effect makes of the FRFs, without random error, compared with nothing else."""
     measured = replace(exact(setup, [effect]), force_spectrum=None, response_spectrum=None)
-    return SingleTestPredictor.of(model(), setup, observe(measured, (), fraction=0.0))
+    observed = replace(observe(measured, (), fraction=0.0), incoherent=None, incoherent_variance=None)
+    return SingleTestPredictor.of(model(), setup, observed)
 
 
 def apart(setup: RigSetup, truth: Effect, other: Effect) -> float:

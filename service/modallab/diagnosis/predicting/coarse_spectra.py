@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from modallab.core.place import Channels
+from modallab.diagnosis.residuals.channel_noise import ChannelNoise
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.predicted import Predicted
-from modallab.diagnosis.residuals.white_noise import WhiteNoise
 from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.chain import Chain
 from modallab.rig.effect import Effect, is_nonlinear
@@ -31,7 +31,7 @@ class CoarseBase:
     """The effects."""
     spectra: CrossSpectra
     """Their spectra, before free levels are fitted."""
-    noise: WhiteNoise | None
+    noise: ChannelNoise | None
     """Noise beside them, from which fits of free levels start."""
     linearised: tuple[Run, ...] | None = None
     """Runs with the equivalent linearisation of nonlinear forces among the effects; None without any."""
@@ -85,7 +85,7 @@ class CoarseSpectra:
         chain = self._chain(effects)
         linearised = chain.runs if is_nonlinear(effects) else None
         spectra = self._of_chain(chain.without_distortion)
-        return CoarseBase(tuple(effects), spectra, self.observed.white_noise(spectra), linearised)
+        return CoarseBase(tuple(effects), spectra, self.observed.channel_noise(spectra), linearised)
 
     def predict(self, effects: Sequence[Effect], base: CoarseBase | None = None) -> Predicted:
         """Return the expected spectra with all these effects.

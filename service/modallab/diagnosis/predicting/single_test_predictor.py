@@ -16,6 +16,7 @@ from modallab.diagnosis.predicting.decayed_prediction import decayed_predictions
 from modallab.diagnosis.predicting.model_state import DeviatingModel
 from modallab.diagnosis.predicting.prediction_budget import PredictionBudget, no_heartbeat
 from modallab.diagnosis.predicting.settings import PREDICTION
+from modallab.diagnosis.residuals.channel_noise import ChannelNoise
 from modallab.diagnosis.residuals.free_levels import (
     at_level_of,
     with_expected_force_noise,
@@ -25,7 +26,6 @@ from modallab.diagnosis.residuals.free_levels import (
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.predicted import Predicted, VarianceRatios
 from modallab.diagnosis.residuals.residual import Residual, residual
-from modallab.diagnosis.residuals.white_noise import WhiteNoise
 from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.modes import ModalBasis
 from modallab.fe.structure import Structure
@@ -256,7 +256,7 @@ class SingleTestPredictor:
         self,
         measuring_chain: Chain,
         kernel: LeakageKernel | None = None,
-        noise: WhiteNoise | None = None,
+        noise: ChannelNoise | None = None,
         distortion: ResidualSpectra | None = None,
     ) -> Predicted:
         """Return the expected spectra of a chain, without variances.
@@ -306,7 +306,7 @@ class SingleTestPredictor:
         if same_distortion and kernel is not None and base.runs[0].local_forces:
             linearised = base.runs
             distortion = residual_spectra(linearised, base.setup.analyser, base.source, kernel.nodes)
-        noise = self.observed.white_noise(expected_spectra(base, kernel, self.lines, distortion))
+        noise = self.observed.channel_noise(expected_spectra(base, kernel, self.lines, distortion))
 
         def predict(perturbed: Sequence[Effect]) -> Predicted:
             near = self.chain(perturbed, initial_rms=motion, linearised=linearised)

@@ -13,9 +13,9 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.numerics import COHERENCE_ROUNDING, SAFE_DIVISOR
+from modallab.diagnosis.residuals.channel_noise import ChannelNoise, NoiseData, fit_channel_noise
 from modallab.diagnosis.residuals.noise_reference import ExpectedForceNoise, IncoherentSpectra
 from modallab.diagnosis.residuals.source_power import force_spectra
-from modallab.diagnosis.residuals.white_noise import NoiseData, WhiteNoise, fit_white_noise
 from modallab.estimation.settings import FORCE_NOISE
 from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.chain import Chain
@@ -37,9 +37,9 @@ class FreeLevels:
     shape: bool = False
     """Shape of its spectrum, a smooth curve."""
     force_noise: bool = False
-    """White noise of the force channels, one level."""
+    """Noise of the force channels, one smooth spectrum."""
     response_noise: bool = False
-    """White noise of the response channels, a level each."""
+    """Noise of the response channels, a smooth spectrum each."""
     noise_reference: bool = False
     """To which force the ratio of its noise relates: the one measured, or the one expected."""
     expected_force_noise: ExpectedForceNoise | None = None
@@ -79,7 +79,7 @@ class FreeLevels:
         observed: "Observed",
         lines: IntArray | None = None,
         *,
-        start: WhiteNoise | None = None,
+        start: ChannelNoise | None = None,
     ) -> CrossSpectra:
         """Return expected spectra with the levels that fit the measured ones best.
 
@@ -113,8 +113,8 @@ class FreeLevels:
         observed: "Observed",
         lines: IntArray | None = None,
         *,
-        start: WhiteNoise | None = None,
-    ) -> WhiteNoise | None:
+        start: ChannelNoise | None = None,
+    ) -> ChannelNoise | None:
         """Return the noise levels that fit the measured incoherent spectra best.
 
         None if all levels are declared, or the spectra do not determine them.
@@ -133,8 +133,9 @@ class FreeLevels:
         if measured is None or variance is None:
             return None
         once = stands_for_response(observed.channels)
-        return fit_white_noise(
+        return fit_channel_noise(
             NoiseData(
+                freq=observed.freq,
                 measured=measured[:, once],
                 weight=(observed.usable & ~observed.held_out_lines[:, None])[:, once] / variance[:, once],
                 fitted=observed.fitted[:, once],
@@ -216,10 +217,12 @@ def _incoherent(observed: "Observed", force: FloatArray) -> tuple[FloatArray | N
     return by_frf * np.abs(observed.h) ** 2 * ratio, np.full(g2.shape, variance)
 
 
-def _with_noise(spectra: CrossSpectra, noise: WhiteNoise) -> CrossSpectra:
-    n_run, _, n_out = spectra.xx.shape
-    ff = spectra.ff + noise.force * np.eye(spectra.ff.shape[2])
-    return replace(spectra, ff=ff, xx=spectra.xx + noise.response.reshape(n_run, 1, n_out))
+def _with_noise(spectra: CrossSpectra, noise: ChannelNoise) -> CrossSpectra:
+    n_run, n_freq, n_out = spectra.xx.shape
+    force, response = noise.force_at(spectra.freq), noise.response_at(spectra.freq)
+    by_run = np.broadcast_to(response, (n_freq, n_run * n_out)).reshape(n_freq, n_run, n_out).swapaxes(0, 1)
+    ff = spectra.ff + force[:, None, None] * np.eye(spectra.ff.shape[2])
+    return replace(spectra, ff=ff, xx=spectra.xx + by_run)
 
 
 def at_level_of(expected: CrossSpectra, fitted: CrossSpectra) -> CrossSpectra:
@@ -296,8 +299,9 @@ def with_levels_declared(
     expected = expected_spectra(measuring_chain()) if levels.noise else None
     if expected is not None and (noise := levels.fitted_noise(expected, observed, lines)) is not None:
         force, response = setup.noise.force, setup.noise.response
-        # A further test may have other responses: they have the mean of those measured.
-        fitted = NoiseDensity(noise.force), NoiseDensity(float(noise.response.mean()))
+        # A further test may have other responses: they have the mean of those measured, over all lines.
+        parts = noise.force_at(observed.freq), noise.response_at(observed.freq)
+        fitted = tuple(NoiseDensity(float(np.mean(part))) for part in parts)
         setup = replace(
             setup,
             noise=Noise(fitted[0] if force is None else force, fitted[1] if response is None else response),

@@ -7,12 +7,12 @@ import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.core.dof import Dof
+from modallab.diagnosis.residuals.channel_noise import ChannelNoise
 from modallab.diagnosis.residuals.decorrelation import Decorrelation
 from modallab.diagnosis.residuals.free_levels import ALL_DECLARED, FreeLevels
 from modallab.diagnosis.residuals.predicted import Predicted, VarianceRatios
 from modallab.diagnosis.residuals.settings import RANDOM_ERROR
 from modallab.diagnosis.residuals.source_power import SourcePower
-from modallab.diagnosis.residuals.white_noise import WhiteNoise
 from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.frf_channel import FrfChannel, force_numbers
 
@@ -128,7 +128,7 @@ class Observed:
         return SourcePower.of(self)
 
     def with_levels(
-        self, spectra: CrossSpectra, lines: IntArray | None = None, *, start: WhiteNoise | None = None
+        self, spectra: CrossSpectra, lines: IntArray | None = None, *, start: ChannelNoise | None = None
     ) -> CrossSpectra:
         """Return expected spectra with the levels that the log book leaves open, fitted to the measured ones.
 
@@ -141,7 +141,7 @@ class Observed:
         """
         return self.free_levels.fitted(spectra, self, lines, start=start)
 
-    def white_noise(self, spectra: CrossSpectra) -> WhiteNoise | None:
+    def channel_noise(self, spectra: CrossSpectra) -> ChannelNoise | None:
         """Return the noise that the log book leaves open, fitted beside expected spectra; None without it."""
         levels = self.free_levels
         return levels.fitted_noise(levels.with_source(spectra, self), self) if levels.noise else None

@@ -190,6 +190,17 @@ class FreeLevelSettings(Settings):
     lines_per_function: int = setting(
         12, unit="lines", doc="measured lines for each function, at least", derived="few data are taken up"
     )
+    noise_functions: int = setting(
+        6,
+        unit="functions",
+        doc="B-splines of the noise of a channel over the logarithm of frequency",
+        derived="an octave and more of three decades each: wide beside a resonance",
+    )
+    noise_slope: float = setting(
+        2.0,
+        doc="difference of neighbouring coefficients of a noise spectrum's logarithm, one standard deviation",
+        derived="1/f^2 over three decades is 14 over five differences",
+    )
     shape_error: float = setting(
         0.023,
         doc="largest deviation of the logarithm of a source's power from its B-splines that is no effect",
@@ -204,14 +215,9 @@ class FreeLevelSettings(Settings):
     least_curvature: float = setting(
         1e-6, doc="least curvature by the noise of the force", derived="keeps its step finite"
     )
-    least_newton: float = setting(
-        0.1,
-        doc="second derivative of the cost over that of Gauss-Newton, above which steps are Newton's",
-        derived="only the cost depends on it",
-    )
     max_step: float = setting(3.0, doc="largest step of a logarithm", derived="only the cost depends on it")
     last_step: float = setting(
-        1e-6, doc="largest step of a logarithm that ends a fit", derived="Newton: the next is its square"
+        1e-6, doc="largest step of a logarithm that ends a fit", derived="the next is a hundredth of it"
     )
     least_share: float = setting(
         1e-3, doc="least share of a step that is tried", derived="only the cost depends on it"

@@ -5,13 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
+from modallab.diagnosis.residuals.channel_noise import ChannelNoise, noise_functions
 from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.residuals.residual import residual
 from modallab.diagnosis.residuals.source_power import shape_variance, source_functions
-from modallab.diagnosis.residuals.white_noise import WhiteNoise
 from modallab.diagnosis.result import Verdict
 from modallab.diagnosis.search_task import suspected
 from modallab.effects.exciter_armature import ExciterArmature
@@ -23,7 +24,7 @@ from modallab.rig.hardware import Noise, NoiseDensity
 from modallab.rig.measure import Route, measure
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
-from tests.diagnosing import model, rig
+from tests.diagnosing import draw_measurement, model, rig
 
 FORCE, RESPONSE = 3e-6, 2e-5  # N^2/Hz, (m/s^2)^2/Hz; 0.1 % of the force of 5 N
 UNKNOWN = Noise(None, None)
@@ -58,9 +59,10 @@ def test_fitted_noise_is_that_of_the_channels(roving: bool) -> None:
     observed, expected = predictor.observed, expected_spectra(predictor.chain(()))
     noise = observed.free_levels.fitted_noise(expected, observed)
     assert noise is not None
-    # 160 lines of 100 averages: 1 % of a response's level; the force's shows in few of them
-    assert noise.force == pytest.approx(FORCE, rel=0.2)
-    np.testing.assert_allclose(noise.response, RESPONSE, rtol=0.2)
+    # 160 lines of 100 averages: 1 % of a response's mean level; the force's shows in few of them
+    freq = observed.freq[1:]
+    assert noise.force_at(freq).mean() == pytest.approx(FORCE, rel=0.3)
+    np.testing.assert_allclose(np.mean(noise.response_at(freq), axis=0), RESPONSE, rtol=0.2)
 
 
 def test_fitted_noise_is_finite_where_a_cost_is_not() -> None:
@@ -69,11 +71,14 @@ def test_fitted_noise_is_finite_where_a_cost_is_not() -> None:
     observed, expected = predictor.observed, expected_spectra(predictor.chain(()))
     xx, fx = expected.xx.copy(), expected.fx.copy()
     xx[..., 2], fx[..., 2] = -1e-16 * xx.max(), 0.0
-    no_noise = WhiteNoise(FORCE, np.where(np.arange(xx.shape[2]) == 2, 0.0, RESPONSE))
+    n = noise_functions(observed.freq, observed.freq).shape[1]
+    response = np.tile(np.where(np.arange(xx.shape[2]) == 2, -np.inf, np.log(RESPONSE)), (n, 1))
+    no_noise = ChannelNoise(observed.freq, np.full(n, np.log(FORCE)), response)
     with np.errstate(invalid="ignore"):
         noise = observed.free_levels.fitted_noise(replace(expected, xx=xx, fx=fx), observed, start=no_noise)
     assert noise is not None
-    assert np.isfinite([noise.force, *noise.response]).all()
+    assert np.isfinite(noise.force_at(observed.freq)).all()
+    assert np.isfinite(noise.response_at(observed.freq)).all()
 
 
 @pytest.mark.parametrize("roving", [True, False])
@@ -82,12 +87,15 @@ def test_fitted_noise_does_not_depend_on_where_its_fit_starts(roving: bool) -> N
     levels, expected = predictor.observed.free_levels, expected_spectra(predictor.chain(()))
     noise = levels.fitted_noise(expected, predictor.observed)
     assert noise is not None
-    near = WhiteNoise(3 * noise.force, noise.response / 2)
+    assert noise.force is not None
+    assert noise.response is not None
+    near = ChannelNoise(noise.measured, noise.force + np.log(3), noise.response - np.log(2))
     again = levels.fitted_noise(expected, predictor.observed, start=near)
     assert again is not None
-    # a fit ends at a relative gain of 1e-13: the square root of that, times the condition of two levels
-    assert again.force == pytest.approx(noise.force, rel=1e-4)
-    np.testing.assert_allclose(again.response, noise.response, rtol=1e-5)
+    freq = predictor.observed.freq[1:]
+    # a fit ends at a relative gain of 1e-13: the square root of that, times the condition of two spectra
+    np.testing.assert_allclose(again.force_at(freq), noise.force_at(freq), rtol=1e-3)
+    np.testing.assert_allclose(again.response_at(freq), noise.response_at(freq), rtol=1e-4)
 
 
 def test_the_power_of_a_source_is_the_weighted_least_squares_solution() -> None:
@@ -185,3 +193,34 @@ def test_variance_of_unknown_shape_is_that_beside_smooth_curves_up_to_a_tenth_of
     usable = np.ones((len(freq), 1), bool)
     # Eight splines take up little of a fast sine, and leave 1e-8 of so smooth a pulse.
     assert shape_variance(freq, pulse[:, None], usable) == pytest.approx(variance, rel=0.1, abs=1e-7)
+
+
+def _with_noise(test: Measurement, noise: FloatArray, rng: np.random.Generator) -> Measurement:
+    """An exact test with noise (n_freq, n_out), (m/s^2)^2/Hz, in the responses, over the test's averages."""
+    assert test.force_spectrum is not None
+    assert test.response_spectrum is not None
+    n, h, force = int(test.averages), test.frf.values[..., 0], test.force_spectrum[..., 0]
+    scatter = rng.standard_normal((2, *h.shape)) * np.sqrt(noise / force / (2 * n))
+    measured = h + scatter[0] + 1j * scatter[1]
+    coherent = force * np.abs(measured) ** 2
+    power = coherent + noise * rng.gamma(n - 1, 1 / n, noise.shape)
+    return replace(
+        test,
+        frf=replace(test.frf, values=measured[..., None]),
+        coherence=coherent / np.maximum(power, 1e-300),
+        response_spectrum=power,
+        route=None,
+        setup=replace(test.setup, noise=Noise(None, None)),
+    )
+
+
+@pytest.mark.parametrize("exponent", [0.0, 1.0, 2.0])
+def test_noise_of_any_colour_that_nobody_declared_is_no_missing_effect(exponent: float) -> None:
+    """Accelerometers and amplifiers have noise that falls with frequency: it was named a hardening spring."""
+    exact = draw_measurement(rig(noise=0.0))
+    assert exact.force_spectrum is not None
+    signal = np.abs(exact.frf.values[..., 0]) ** 2 * exact.force_spectrum[..., 0]
+    freq = exact.frf.freq[:, None]
+    colour = (np.maximum(freq, freq[1]) / np.median(freq)) ** -exponent
+    test = _with_noise(exact, 1e-4 * signal.mean(axis=0) * colour, np.random.default_rng(0))
+    assert diagnose(model(), test).verdict is Verdict.NOTHING_MISSING
