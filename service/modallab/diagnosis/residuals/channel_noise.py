@@ -1,11 +1,12 @@
 """Fit of the noise of forces and responses to incoherent response spectra."""
 
 from dataclasses import dataclass, fields
+from functools import lru_cache
 
 import numpy as np
 from scipy.interpolate import BSpline
 
-from modallab.core.arrays import BoolArray, FloatArray
+from modallab.core.arrays import BoolArray, FloatArray, frozen
 from modallab.core.numerics import SAFE_DIVISOR, SAFE_SQUARED_DIVISOR
 from modallab.diagnosis.residuals.settings import FREE_LEVELS
 
@@ -21,14 +22,21 @@ def noise_functions(freq: FloatArray, measured: FloatArray) -> FloatArray:
     measured
         Frequencies of the measured lines, Hz.
     """
+    return _noise_functions(freq.tobytes(), measured.tobytes())
+
+
+@lru_cache(maxsize=16)
+def _noise_functions(freq_bytes: bytes, measured_bytes: bytes) -> FloatArray:
+    """Return `noise_functions`, the same array for the same lines: every prediction of a test needs them."""
+    freq, measured = (np.frombuffer(part) for part in (freq_bytes, measured_bytes))
     positive = measured[measured > 0]
     n = FREE_LEVELS.noise_functions
     if len(positive) < n * FREE_LEVELS.lines_per_function:
-        return np.ones((len(freq), 1))
+        return frozen(np.ones((len(freq), 1)), float, (None, 1))
     low, high = np.log(positive[[0, -1]])
     knots = np.concatenate([[low] * 3, np.linspace(low, high, n - 2), [high] * 3])
-    at = np.log(np.clip(freq, positive[0], positive[-1]))
-    return np.asarray(BSpline.design_matrix(np.clip(at, low, high), knots, 3).toarray())
+    at = np.log(np.clip(freq, positive[0], positive[-1])).clip(low, high)
+    return frozen(BSpline.design_matrix(at, knots, 3).toarray(), float, (None, n))
 
 
 @dataclass(frozen=True, eq=False)
