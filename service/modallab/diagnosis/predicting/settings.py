@@ -19,7 +19,8 @@ class PredictionSettings(Settings):
     lowering_errors: float = setting(
         3.0,
         unit="standard errors",
-        doc="distance of that share from 1 from which FRFs contradict the noise",
+        doc="distance of that share from 1 from which FRFs contradict the noise; and median misfit of the "
+        "coherence up to which the noise explains it",
         derived="3 sigma",
     )
     lowering_blocks: int = setting(

@@ -5,11 +5,13 @@ from dataclasses import replace
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.numerics import COHERENCE_ROUNDING, SAFE_DIVISOR
 from modallab.diagnosis.predicting.settings import PREDICTION
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.diagnosis.residuals.residual import residual
+from modallab.estimation.settings import FORCE_NOISE
 from modallab.fe.structure import Structure
 from modallab.rig.setup import RigSetup
 
@@ -20,7 +22,8 @@ def with_supported_force_noise(structure: Structure, setup: RigSetup, observed: 
     Noise of the force lowers the coherence, and H1 with it: so does other noise, of whatever spectrum, which
     lowers the coherence alone. Where no log book declares it, the coherence cannot distinguish them, but the
     FRFs may, by the share of the lowering that they show: 1 if it is there, 0 if it is not. In a model that
-    deviates by more than the lowering the share is far from both, and says nothing.
+    deviates by more than the lowering the share is far from both, and says nothing. Nor does the share of a
+    noise that does not explain the coherence, as fitted beside a model whose resonances are elsewhere.
     """
     levels = observed.free_levels
     if not levels.force_noise:
@@ -29,10 +32,30 @@ def with_supported_force_noise(structure: Structure, setup: RigSetup, observed: 
     with_noise, predicted = (
         SingleTestPredictor.of(structure, setup, each).predict(()) for each in (observed, without)
     )
+    if not _explains_coherence(observed, predicted, with_noise):
+        return observed
     share, error = _share_of_lowering(observed, predicted, with_noise)
     near_zero = abs(share) < PREDICTION.lowering_share
     contradicts = near_zero and 1 - share > PREDICTION.lowering_errors * error
     return without if contradicts else observed
+
+
+def _explains_coherence(observed: Observed, predicted: Predicted, with_noise: Predicted) -> bool:
+    """Return whether noise of the force explains the coherence where it is most of what lowers it."""
+    ratio = np.abs(with_noise.h) / np.maximum(np.abs(predicted.h), SAFE_DIVISOR)
+    of_force = np.maximum(1 / np.maximum(ratio, SAFE_DIVISOR) - 1, 0.0)
+    expected, measured = _incoherence(with_noise.coherence), _incoherence(observed.coherence)
+    most = observed.fitted & (of_force > expected / 2)
+    if not most.any():
+        return False
+    sizes = np.abs(observed.h[most]) / np.abs(with_noise.h[most])
+    misfit = np.abs(np.log(sizes**2 * measured[most] / expected[most]))
+    return bool(np.median(misfit) < PREDICTION.lowering_errors / np.sqrt(max(observed.averages - 1, 1.0)))
+
+
+def _incoherence(g2: FloatArray) -> FloatArray:
+    """Return the incoherent power of responses over the coherent one."""
+    return (1 - g2 + COHERENCE_ROUNDING) / np.maximum(g2, FORCE_NOISE.min_coherence)
 
 
 def _share_of_lowering(
