@@ -1,4 +1,4 @@
-"""Noise of a force channel that no log book declares: whether the FRFs support it."""
+"""Noise of a force channel that no log book declares: whether the FRFs are as low as it makes them."""
 
 from dataclasses import replace
 
@@ -17,10 +17,10 @@ from modallab.rig.setup import RigSetup
 
 
 def with_supported_force_noise(structure: Structure, setup: RigSetup, observed: Observed) -> Observed:
-    """Return the measurement without free noise of the force where its FRFs contradict that noise.
+    """Return the measurement with free noise of the force that lowers no FRF, where its FRFs contradict it.
 
-    Noise of the force lowers the coherence, and H1 with it: so does other noise, of whatever spectrum, which
-    lowers the coherence alone. Where no log book declares it, the coherence cannot distinguish them, but the
+    Noise of the force lowers the coherence, and H1 with it. Noise in proportion to the responses lowers the
+    coherence alike, and H1 not. Where no log book declares it, the coherence cannot distinguish them, but the
     FRFs may, by the share of the lowering that they show: 1 if it is there, 0 if it is not. In a model that
     deviates by more than the lowering the share is far from both, and says nothing. Nor does the share of a
     noise that does not explain the coherence, as fitted beside a model whose resonances are elsewhere.
@@ -28,7 +28,7 @@ def with_supported_force_noise(structure: Structure, setup: RigSetup, observed: 
     levels = observed.free_levels
     if not levels.force_noise:
         return observed
-    without = replace(observed, free_levels=replace(levels, force_noise=False))
+    without = replace(observed, free_levels=replace(levels, lowers_frfs=False))
     with_noise, predicted = (
         SingleTestPredictor.of(structure, setup, each).predict(()) for each in (observed, without)
     )

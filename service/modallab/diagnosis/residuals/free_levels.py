@@ -44,6 +44,8 @@ class FreeLevels:
     """To which force the ratio of its noise relates: the one measured, or the one expected."""
     expected_force_noise: ExpectedForceNoise | None = None
     """Noise at that ratio to the expected force; None if the ratio is to the one measured."""
+    lowers_frfs: bool = True
+    """Whether free noise of the force lowers H1; if not it is noise in proportion to the responses."""
 
     @classmethod
     def of(cls, setup: RigSetup, *, simulated: bool) -> "FreeLevels":
@@ -98,7 +100,7 @@ class FreeLevels:
             return spectra
         spectra = self.with_source(spectra, observed, lines)
         levels = self.fitted_noise(spectra, observed, lines, start=start)
-        return spectra if levels is None else _with_noise(spectra, levels)
+        return spectra if levels is None else _with_noise(spectra, levels, lowers_frfs=self.lowers_frfs)
 
     def with_source(
         self, spectra: CrossSpectra, observed: "Observed", lines: IntArray | None = None
@@ -217,12 +219,19 @@ def _incoherent(observed: "Observed", force: FloatArray) -> tuple[FloatArray | N
     return by_frf * np.abs(observed.h) ** 2 * ratio, np.full(g2.shape, variance)
 
 
-def _with_noise(spectra: CrossSpectra, noise: ChannelNoise) -> CrossSpectra:
+def _with_noise(spectra: CrossSpectra, noise: ChannelNoise, *, lowers_frfs: bool) -> CrossSpectra:
+    """Return spectra with noise, that of the forces in them or in the responses alone."""
     n_run, n_freq, n_out = spectra.xx.shape
-    force, response = noise.force_at(spectra.freq), noise.response_at(spectra.freq)
-    by_run = np.broadcast_to(response, (n_freq, n_run * n_out)).reshape(n_freq, n_run, n_out).swapaxes(0, 1)
-    ff = spectra.ff + force[:, None, None] * np.eye(spectra.ff.shape[2])
-    return replace(spectra, ff=ff, xx=spectra.xx + by_run)
+    of_force, of_response = noise.force_at(spectra.freq), noise.response_at(spectra.freq)
+    if not lowers_frfs:
+        force, gain, _, _ = _coherent_parts(spectra)
+        share = of_force[:, None, None] / np.maximum(force + of_force[:, None, None], SAFE_DIVISOR)
+        of_response = of_response + (gain * force * share).sum(axis=2)
+    by_run = np.broadcast_to(of_response, (n_freq, n_run * n_out)).reshape(n_freq, n_run, n_out)
+    xx = spectra.xx + by_run.swapaxes(0, 1)
+    if not lowers_frfs:
+        return replace(spectra, xx=xx)
+    return replace(spectra, ff=spectra.ff + of_force[:, None, None] * np.eye(spectra.ff.shape[2]), xx=xx)
 
 
 def at_level_of(expected: CrossSpectra, fitted: CrossSpectra) -> CrossSpectra:

@@ -52,7 +52,8 @@ def test_frfs_tell_noise_of_the_force_from_other_noise(hidden: list[Effect]) -> 
         observed = observe(test, (), fraction=0.0)
         assert observed.free_levels.force_noise
         found = with_supported_force_noise(model(), test.setup, observed)
-        assert found.free_levels.force_noise is kept
+        assert found.free_levels.force_noise
+        assert found.free_levels.lowers_frfs is kept
         assert found.free_levels.response_noise
 
 
@@ -62,13 +63,13 @@ def test_a_model_that_is_a_little_wrong_does_not_contradict_noise_of_the_force()
     wrong = [MemberTolerance(stiffness=tuple(variation.tolist())), LossFactorError(None, 0.7)]
     test = undeclared(wrong, force_noise=1e-3)
     found = with_supported_force_noise(model(), test.setup, observe(test, (), fraction=0.0))
-    assert found.free_levels.force_noise
+    assert found.free_levels.lowers_frfs
 
 
 def test_noise_of_the_responses_alone_is_no_missing_effect() -> None:
     found = diagnose(model(), proportional_noise([]))
     assert found.verdict is Verdict.NOTHING_MISSING
-    assert any("none is assumed" in note for note in found.notes)
+    assert any("in proportion to the responses" in note for note in found.notes)
     assert any("force_noise, response_noise, quantisation not judged" in note for note in found.notes)
 
 
@@ -77,4 +78,4 @@ def test_a_sensitivity_that_is_a_little_wrong_does_not_contradict_noise_of_the_f
     test = undeclared([], force_noise=1e-3)
     test = replace(test, frf=replace(test.frf, values=1.005 * test.frf.values))
     found = with_supported_force_noise(model(), test.setup, observe(test, (), fraction=0.0))
-    assert found.free_levels.force_noise
+    assert found.free_levels.lowers_frfs
