@@ -23,6 +23,7 @@ from modallab.effects.friction import Friction
 from modallab.fe.assembly import assemble
 from modallab.rig.chain import chain
 from modallab.rig.effect import Effect
+from modallab.rig.hardware import Noise
 from modallab.rig.measure import measurement_of
 from modallab.rig.sampled import sampled_spectra
 from modallab.rig.simulated_variance import SimulatedVariance
@@ -35,10 +36,14 @@ KINDS = ("cubic_stiffness", "friction", "ground_spring", "local_damping", "respo
 
 
 @pytest.mark.parametrize("effect", [CUBIC, RUBBING], ids=lambda effect: effect.kind)
-def test_they_are_looked_for_where_no_response_spectrum_was_stored(effect: Effect) -> None:
+@pytest.mark.parametrize("declared", [True, False], ids=["noise declared", "noise unknown"])
+def test_they_are_looked_for_where_no_response_spectrum_was_stored(effect: Effect, declared: bool) -> None:
+    """The coherence shows them where the log book declares the noise."""
     measured = replace(draw_measurement(rig(), [effect]), force_spectrum=None, response_spectrum=None)
+    if not declared:
+        measured = replace(measured, setup=replace(measured.setup, noise=Noise(None, None)))
     evidence = collect_evidence(predicting(measured)[0], [])
-    assert evidence.response is None
+    assert (evidence.response is not None) is declared
     assert type(effect).signature(evidence) > DIAGNOSIS.least_suspicion
 
 
