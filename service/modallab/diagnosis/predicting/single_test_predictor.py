@@ -17,8 +17,8 @@ from modallab.diagnosis.predicting.model_state import DeviatingModel
 from modallab.diagnosis.predicting.prediction_budget import PredictionBudget, no_heartbeat
 from modallab.diagnosis.predicting.settings import PREDICTION
 from modallab.diagnosis.residuals.channel_noise import ChannelNoise
-from modallab.diagnosis.residuals.free_levels import (
-    at_level_of,
+from modallab.diagnosis.residuals.free_levels import at_level_of
+from modallab.diagnosis.residuals.levels_in_use import (
     with_expected_force_noise,
     with_levels_declared,
     with_measured_level,
