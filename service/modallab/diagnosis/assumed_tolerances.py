@@ -59,8 +59,8 @@ def refitted_path(path: SearchPath, second: SearchResult) -> SearchPath | None:
     return refine_path(second.predictor, SearchPath(second.path.start, steps))
 
 
-def may_hide_one_of(path: SearchPath, second: SearchResult) -> bool:
-    """Return whether the second tolerances may hide one of the effects of a path."""
+def may_hide_effects(path: SearchPath, second: SearchResult) -> bool:
+    """Return whether the second tolerances may hide an effect of a path: they close as much of the gap."""
     effects = path.fit.effects
     complete = second.with_effects(effects)
     without_one = [second.with_effects(effects[:i] + effects[i + 1 :]) for i in range(len(effects))]

@@ -10,7 +10,7 @@ from modallab.core.progress import Progress, Pulse, part
 from modallab.diagnosis.assumed_tolerances import (
     deviate_far,
     explains_more,
-    may_hide_one_of,
+    may_hide_effects,
     refitted_path,
     refitted_round,
 )
@@ -126,7 +126,7 @@ class SearchTask:
                 if _explains_frfs(found):
                     return found, None
                 path = refitted_path(found.path, second)
-                if path is not None and not may_hide_one_of(found.path, second):
+                if path is not None and not may_hide_effects(found.path, second):
                     return replace(second, path=path), assumed
         refitted = refitted_round(single_effects, second, alone)
         further = self._search_from(second, self.max_effects, part(pulse, 0.75, 1.0), refitted)

@@ -3,6 +3,8 @@
 import numpy as np
 
 from modallab.core.arrays import FloatArray
+from modallab.core.numerics import COHERENCE_ROUNDING
+from modallab.estimation.settings import FORCE_NOISE
 from modallab.estimation.spectra import CrossSpectra
 
 
@@ -34,3 +36,8 @@ def coherence_error(coherence: FloatArray, averages: float) -> FloatArray:
     """Return the normalised random error of the coherence, sqrt(2) (1 - g2)/sqrt(n_d g2) [5.18, 5.19]."""
     g2 = np.maximum(coherence, np.finfo(float).tiny)
     return np.asarray(np.sqrt(2) * (1 - coherence) / np.sqrt(averages * g2))
+
+
+def incoherent_ratio(coherence: FloatArray) -> FloatArray:
+    """Return the incoherent power of a response over its coherent power, (1 - g2)/g2, floored at rounding."""
+    return np.asarray((1 - coherence) / np.maximum(coherence, FORCE_NOISE.min_coherence) + COHERENCE_ROUNDING)

@@ -4,7 +4,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from modallab.estimation.coherence import coherence, coherence_error, frf_error
+from modallab.core.numerics import COHERENCE_ROUNDING
+from modallab.estimation.coherence import coherence, coherence_error, frf_error, incoherent_ratio
 from modallab.estimation.spectra import CrossSpectra
 
 ratios = st.floats(0, 1e3)
@@ -54,3 +55,9 @@ def test_random_errors_fall_with_coherence_and_with_averages(g2: float, averages
 
 def test_no_coherence_is_a_huge_error_and_not_a_fault() -> None:
     assert frf_error(np.array(0.0), 100) > 1e100
+
+
+def test_incoherent_over_coherent_power_follows_from_the_coherence() -> None:
+    ratio = incoherent_ratio(np.array([0.5, 0.8, 1.0]))
+    # what counts as rounding is added; beyond it the quotient's own rounding
+    np.testing.assert_allclose(ratio - COHERENCE_ROUNDING, [1.0, 0.25, 0.0], rtol=1e-12, atol=1e-16)

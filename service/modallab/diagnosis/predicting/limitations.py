@@ -111,7 +111,7 @@ def _of_levels(levels: FreeLevels, observed: Observed) -> Iterator[str]:
     if kinds:
         kinds.append("quantisation")
         yield f"noise of the channels is not declared: fitted to the test, and {', '.join(kinds)} not judged"
-    if levels.force_noise and not observed.free_levels.lowers_frfs:
+    if levels.force_noise and not observed.free_levels.biases_h1:
         yield (
             "the coherence may show noise of the force, but the FRFs are not as low as H1 with such noise: "
             "it is taken for noise in proportion to the responses"

@@ -11,19 +11,19 @@ TESTS = "simulated tests of the suite"
 class PredictionSettings(Settings):
     """Coarse predictions and their cost."""
 
-    lowering_share: float = setting(
+    bias_share: float = setting(
         0.5,
-        doc="share of the lowering by noise of the force, up to which FRFs are taken to show none of it",
+        doc="share of the bias of H1 by noise of the force, up to which FRFs are taken to show none of it",
         derived="nearer to none than to all",
     )
-    lowering_errors: float = setting(
+    bias_errors: float = setting(
         3.0,
         unit="standard errors",
         doc="distance of that share from 1 from which FRFs contradict the noise; and median misfit of the "
         "coherence up to which the noise explains it",
         derived="3 sigma",
     )
-    lowering_blocks: int = setting(
+    bias_blocks: int = setting(
         20,
         unit="blocks",
         doc="blocks of lines, wider than the distance over which a deviation of the model keeps its sign",

@@ -15,7 +15,7 @@ from modallab.core.numerics import COHERENCE_ROUNDING, SAFE_DIVISOR
 from modallab.diagnosis.residuals.channel_noise import ChannelNoise, NoiseData, fit_channel_noise
 from modallab.diagnosis.residuals.noise_reference import ExpectedForceNoise, IncoherentSpectra
 from modallab.diagnosis.residuals.source_power import force_spectra
-from modallab.estimation.settings import FORCE_NOISE
+from modallab.estimation.coherence import incoherent_ratio
 from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.frf_channel import stands_for_response
 from modallab.rig.setup import RigSetup
@@ -40,8 +40,8 @@ class FreeLevels:
     """To which force the ratio of its noise relates: the one measured, or the one expected."""
     expected_force_noise: ExpectedForceNoise | None = None
     """Noise at that ratio to the expected force; None if the ratio is to the one measured."""
-    lowers_frfs: bool = True
-    """Whether free noise of the force lowers H1; if not it is noise in proportion to the responses."""
+    biases_h1: bool = True
+    """Whether free noise of the force biases H1 low; if not it is noise in proportion to the responses."""
 
     @classmethod
     def of(cls, setup: RigSetup, *, simulated: bool) -> "FreeLevels":
@@ -96,7 +96,7 @@ class FreeLevels:
             return spectra
         spectra = self.with_source(spectra, observed, lines)
         levels = self.fitted_noise(spectra, observed, lines, start=start)
-        return spectra if levels is None else _with_noise(spectra, levels, lowers_frfs=self.lowers_frfs)
+        return spectra if levels is None else _with_noise(spectra, levels, biases_h1=self.biases_h1)
 
     def with_source(
         self, spectra: CrossSpectra, observed: "Observed", lines: IntArray | None = None
@@ -209,23 +209,22 @@ def _incoherent(observed: "Observed", force: FloatArray) -> tuple[FloatArray | N
     g2 = observed.coherence
     if not (g2[observed.usable] < 1 - COHERENCE_ROUNDING).any() or not np.isfinite(observed.averages):
         return None, None
-    ratio = (1 - g2) / np.maximum(g2, FORCE_NOISE.min_coherence) + COHERENCE_ROUNDING
     by_frf = force if force.shape == g2.shape else np.tile(force, observed.n_simultaneous)
     variance = 1 / max(observed.conditional_averages - 1, 1.0)
-    return by_frf * np.abs(observed.h) ** 2 * ratio, np.full(g2.shape, variance)
+    return by_frf * np.abs(observed.h) ** 2 * incoherent_ratio(g2), np.full(g2.shape, variance)
 
 
-def _with_noise(spectra: CrossSpectra, noise: ChannelNoise, *, lowers_frfs: bool) -> CrossSpectra:
+def _with_noise(spectra: CrossSpectra, noise: ChannelNoise, *, biases_h1: bool) -> CrossSpectra:
     """Return spectra with noise, that of the forces in them or in the responses alone."""
     n_run, n_freq, n_out = spectra.xx.shape
     of_force, of_response = noise.force_at(spectra.freq), noise.response_at(spectra.freq)
-    if not lowers_frfs:
+    if not biases_h1:
         force, gain, _, _ = _coherent_parts(spectra)
         share = of_force[:, None, None] / np.maximum(force + of_force[:, None, None], SAFE_DIVISOR)
         of_response = of_response + (gain * force * share).sum(axis=2)
     by_run = np.broadcast_to(of_response, (n_freq, n_run * n_out)).reshape(n_freq, n_run, n_out)
     xx = spectra.xx + by_run.swapaxes(0, 1)
-    if not lowers_frfs:
+    if not biases_h1:
         return replace(spectra, xx=xx)
     return replace(spectra, ff=spectra.ff + of_force[:, None, None] * np.eye(spectra.ff.shape[2]), xx=xx)
 

@@ -10,7 +10,7 @@ from modallab.core.numerics import SAFE_DIVISOR
 from modallab.diagnosis.residuals.channel_spectra import ChannelSpectra
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.settings import MAINS_LINES
-from modallab.estimation.settings import FORCE_NOISE
+from modallab.estimation.coherence import incoherent_ratio
 from modallab.rig.analyser import Analyser
 from modallab.rig.frf_channel import force_numbers
 
@@ -78,7 +78,7 @@ def _incoherent_power(spectra: ChannelSpectra) -> FloatArray | None:
     g2 = spectra.response_coherence
     if spectra.response is not None:
         return np.asarray(spectra.response * (1 - g2))
-    return np.asarray(np.abs(spectra.h) ** 2 * (1 - g2) / np.maximum(g2, FORCE_NOISE.min_coherence))
+    return np.asarray(np.abs(spectra.h) ** 2 * incoherent_ratio(g2))
 
 
 @dataclass(frozen=True, eq=False)

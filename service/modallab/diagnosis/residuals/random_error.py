@@ -133,15 +133,12 @@ def incoherent_spectrum(
     rounding = floor / (incoherent + floor + SAFE_DIVISOR)
     variance = polygamma(1, n - 1) * (1 - rounding) ** 2 + rounding**2 + variance_floor
     unbiased = incoherent * np.exp(np.log(spectra.averages) - digamma(n - 1))
-    if spectra.response is None and spectra.force is None and not _repeats(spectra):
-        unbiased *= np.exp(digamma(spectra.averages) - np.log(spectra.averages))
-        variance = variance + polygamma(1, spectra.averages)
+    if spectra.response is None and spectra.force is None:
+        repeats = EXCITATIONS[spectra.excitation.kind].deterministic
+        gamma_shape, force_variance = _force_scatter(spectra, np.array(0.0 if repeats else 1.0))
+        unbiased *= np.exp(digamma(gamma_shape) - np.log(gamma_shape))
+        variance = variance + force_variance
     return replace_zeros(unbiased + floor), np.asarray(variance)
-
-
-def _repeats(spectra: ChannelSpectra) -> bool:
-    """Return whether the force is the same in every average."""
-    return EXCITATIONS[spectra.excitation.kind].deterministic
 
 
 def force_spectrum(
@@ -164,12 +161,23 @@ def force_spectrum(
     excitation = EXCITATIONS[spectra.excitation.kind]
     periodic = excitation.deterministic and spectra.coherence is not None
     random_share = _force_noise_bound(spectra) / force if periodic else np.ones_like(force)
-    random_share = np.clip(random_share, RANDOM_ERROR.prediction_error**2, 1.0)
+    gamma_shape, variance = _force_scatter(spectra, random_share)
+    return force * np.exp(np.log(gamma_shape) - digamma(gamma_shape)), np.asarray(variance + variance_floor)
+
+
+def _force_scatter(spectra: ChannelSpectra, random_share: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the shape of the Gamma distribution of G_ff, and the variance of its logarithm.
+
+    Parameters
+    ----------
+    random_share
+        Share of its power that is random.
+    """
+    share = np.clip(random_share, RANDOM_ERROR.prediction_error**2, 1.0)
     # The sizes of blows scatter too, of all lines alike.
     blow_variance = np.exp(4 * spectra.excitation.level_scatter**2) - 1
-    gamma_shape = spectra.averages / (random_share * (2 - random_share))
-    variance = polygamma(1, gamma_shape) + blow_variance / spectra.averages
-    return force * np.exp(np.log(gamma_shape) - digamma(gamma_shape)), np.asarray(variance + variance_floor)
+    gamma_shape = spectra.averages / (share * (2 - share))
+    return gamma_shape, np.asarray(polygamma(1, gamma_shape) + blow_variance / spectra.averages)
 
 
 def shared_noise(spectra: ChannelSpectra) -> FloatArray | None:

@@ -217,7 +217,7 @@ class FreeLevelSettings(Settings):
     )
     max_step: float = setting(3.0, doc="largest step of a logarithm", derived="only the cost depends on it")
     last_step: float = setting(
-        1e-6, doc="largest step of a logarithm that ends a fit", derived="the next is a hundredth of it"
+        1e-6, doc="largest step of a logarithm that ends a fit", derived="1e-5 of the random error of a level"
     )
     least_share: float = setting(
         1e-3, doc="least share of a step that is tried", derived="only the cost depends on it"

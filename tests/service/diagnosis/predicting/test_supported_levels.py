@@ -53,7 +53,7 @@ def test_frfs_tell_noise_of_the_force_from_other_noise(hidden: list[Effect]) -> 
         assert observed.free_levels.force_noise
         found = with_supported_force_noise(model(), test.setup, observed)
         assert found.free_levels.force_noise
-        assert found.free_levels.lowers_frfs is kept
+        assert found.free_levels.biases_h1 is kept
         assert found.free_levels.response_noise
 
 
@@ -63,7 +63,7 @@ def test_a_model_that_is_a_little_wrong_does_not_contradict_noise_of_the_force()
     wrong = [MemberTolerance(stiffness=tuple(variation.tolist())), LossFactorError(None, 0.7)]
     test = undeclared(wrong, force_noise=1e-3)
     found = with_supported_force_noise(model(), test.setup, observe(test, (), fraction=0.0))
-    assert found.free_levels.lowers_frfs
+    assert found.free_levels.biases_h1
 
 
 def test_noise_of_the_responses_alone_is_no_missing_effect() -> None:
@@ -78,4 +78,4 @@ def test_a_sensitivity_that_is_a_little_wrong_does_not_contradict_noise_of_the_f
     test = undeclared([], force_noise=1e-3)
     test = replace(test, frf=replace(test.frf, values=1.005 * test.frf.values))
     found = with_supported_force_noise(model(), test.setup, observe(test, (), fraction=0.0))
-    assert found.free_levels.lowers_frfs
+    assert found.free_levels.biases_h1

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from modallab.diagnosis.diagnose import diagnose
@@ -54,3 +55,18 @@ def test_a_coherence_that_nothing_declares_is_not_compared(noise: Noise) -> None
     observed = observe(test, (), fraction=0.25)
     assert observed.incoherent is None
     assert any("not compared" in note for note in limitations(test, observed))
+
+
+def test_blows_of_unequal_size_widen_the_errors_of_spectra_over_the_force() -> None:
+    """The force spectrum of the average is not known where no spectrum is."""
+    test = bare(draw_measurement(rig(noise=1e-4), seed=3))
+    variances = []
+    for scatter in (0.0, 0.2):
+        source = replace(test.setup.analyser.excitation, level_scatter=scatter)
+        setup = replace(test.setup, analyser=replace(test.setup.analyser, excitation=source))
+        variance = observe(replace(test, setup=setup), (), fraction=0.25).incoherent_variance
+        assert variance is not None
+        variances.append(variance)
+    # exp(4 s^2) - 1 of the power of one blow, over the averages; rounding
+    wider = (np.exp(4 * 0.2**2) - 1) / test.averages
+    np.testing.assert_allclose(variances[1] - variances[0], wider, rtol=1e-9)
