@@ -1,5 +1,6 @@
 """Verdict of a diagnosis in words: the first sentences of its report."""
 
+from modallab.diagnosis.localisation.text import PARTS
 from modallab.diagnosis.reporting.text import effect_name, enumeration, gap_text
 from modallab.diagnosis.reporting.unknown_effect import unknown_name
 from modallab.diagnosis.result import Diagnosis, Step, Verdict
@@ -17,12 +18,20 @@ def headline(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict is Verdict.AMBIGUOUS:
         return f"Explained, but not uniquely: {effects}, or an equivalent effect."
     if diagnosis.verdict is Verdict.PARTLY_EXPLAINED:
-        share = 100 * (steps[-1].gap_after - 1) / (steps[0].gap_before - 1)
         return (
             f"Partly explained: {effects} {'closes' if len(steps) == 1 else 'close'} most of the gap; what "
-            f"remains, {share:.2g} % of it, is more than random error and has no name."
+            f"remains, {_remainder(diagnosis)}, is more than random error and has no name."
         )
     return _unexplained_headline(diagnosis, effects)
+
+
+def _remainder(diagnosis: Diagnosis) -> str:
+    """Return what part of the gap remains: its share, or where too few data have it for the mean, these."""
+    first, last = diagnosis.steps[0], diagnosis.steps[-1]
+    if 1 < last.gap_after < first.gap_before:
+        return f"{100 * (last.gap_after - 1) / (first.gap_before - 1):.2g} % of it"
+    gaps = diagnosis.gaps["after"]
+    return f"in the {PARTS[max(gaps, key=lambda part: gaps[part])]}"
 
 
 def _unexplained_headline(diagnosis: Diagnosis, effects: str) -> str:
