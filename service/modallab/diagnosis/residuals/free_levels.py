@@ -12,7 +12,8 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.numerics import COHERENCE_ROUNDING, SAFE_DIVISOR
-from modallab.diagnosis.residuals.channel_noise import ChannelNoise, NoiseData, fit_channel_noise
+from modallab.diagnosis.residuals.channel_noise import ChannelNoise, NoiseData
+from modallab.diagnosis.residuals.noise_fit import fit_channel_noise
 from modallab.diagnosis.residuals.noise_reference import ExpectedForceNoise, IncoherentSpectra
 from modallab.diagnosis.residuals.source_power import force_spectra
 from modallab.estimation.coherence import incoherent_ratio

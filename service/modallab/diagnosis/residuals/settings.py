@@ -216,6 +216,11 @@ class FreeLevelSettings(Settings):
         1e-6, doc="least curvature by the noise of the force", derived="keeps its step finite"
     )
     max_step: float = setting(3.0, doc="largest step of a logarithm", derived="only the cost depends on it")
+    short_step: float = setting(
+        1.0,
+        doc="largest step of a logarithm below which second derivatives are used",
+        derived="a factor of e: only the cost depends on it",
+    )
     last_step: float = setting(
         1e-6, doc="largest step of a logarithm that ends a fit", derived="1e-5 of the random error of a level"
     )

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from modallab.core.arrays import FloatArray
-from modallab.diagnosis.residuals.channel_noise import ChannelNoise, NoiseData, fit_channel_noise
+from modallab.diagnosis.residuals.channel_noise import ChannelNoise, NoiseData
+from modallab.diagnosis.residuals.noise_fit import fit_channel_noise
 
 N_FREQ, N_OUT = 400, 5
 FREQ = np.linspace(1, 100, N_FREQ)
