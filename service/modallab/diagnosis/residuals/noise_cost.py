@@ -126,7 +126,8 @@ class NoiseCost:
         if second_order:
             np.linalg.cholesky(curvature)  # raises where it is not positive
         if not self._free[0]:
-            return np.zeros(len(position[0])), np.linalg.solve(curvature, slope[..., None])[..., 0].T
+            of_responses = np.linalg.solve(curvature, slope[..., None])[..., 0]
+            return np.zeros(len(position[0])), np.asarray(of_responses.T)
         force_slope = (weighted * by.by_force).sum(axis=1) @ functions - self._pull(position[0], free=True)
         own = (twice * by.by_force**2 - second_order * weighted * by.by_force_twice).sum(
             axis=1, keepdims=True
@@ -143,7 +144,7 @@ class NoiseCost:
         if second_order:
             np.linalg.cholesky(schur)
         of_force = np.linalg.solve(schur, np.where(at_floor, 0.0, force_slope))
-        return of_force, (rest - columns @ of_force).T
+        return np.asarray(of_force), np.asarray((rest - columns @ of_force).T)
 
     def _by_channel(self, weight: FloatArray) -> FloatArray:
         """Return the weighted products of the functions, (n_out, n, n)."""
