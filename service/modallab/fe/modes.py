@@ -1,6 +1,7 @@
 """Modes of a system, and its receptance by modal superposition."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from scipy.linalg import eigh
@@ -38,7 +39,6 @@ class ModalBasis:
     viscous: FloatArray | ComplexArray | None = None  # (m, m) Phi^T C Phi, 1/s
     frequency_max: float = np.inf  # Hz
     remainder: ModalTruncation | None = None
-    _cache: Cache = field(default_factory=Cache, init=False, repr=False)
 
     def elastic(self, count: int | None = None) -> "ModalBasis":
         """Return the first `count` elastic modes; off-diagonal modal damping is neglected."""
@@ -114,11 +114,12 @@ class ModalBasis:
     def at(self, omega: FloatArray) -> "ModalResponse":
         """Return the modes' response at `omega` (n_freq,) rad/s, above zero.
 
-        Cached by frequency axis, which all variants of a structure share.
+        Cached by frequency axis, which all variants of a structure share, for the latest bases: each run of a
+        test whose stiffness drifts has one of its own.
         """
         if omega.size * len(self.eigenvalues) > CACHE.response_values:
             return ModalResponse(self, omega)
-        return self._cache.compute(RESPONSES, omega.tobytes(), lambda: ModalResponse(self, omega))
+        return _responses_of(self).compute(RESPONSES, omega.tobytes(), lambda: ModalResponse(self, omega))
 
 
 class ModalResponse:
@@ -191,6 +192,11 @@ class ModalResponse:
         # written as an einsum. Real and imaginary parts are interleaved, so that it is viewed as complex.
         alpha: ComplexArray = (constants @ self._inverse_stiffness.T).view(complex)
         return alpha
+
+
+@lru_cache(maxsize=CACHE.bases_with_responses)
+def _responses_of(_basis: ModalBasis) -> Cache:
+    return Cache()
 
 
 def _interleaved(values: ComplexArray) -> FloatArray:

@@ -219,6 +219,12 @@ class CacheSettings(Settings):
     modal_responses: int = setting(
         3, unit="axes", doc="frequency axes of modal responses", derived="memory of their denominators"
     )
+    bases_with_responses: int = setting(
+        16,
+        unit="bases",
+        doc="bases of modes whose responses are cached",
+        derived="a run of a drifting test has its own; memory",
+    )
     response_values: int = setting(
         250_000, unit="values", doc="size of a cached response, lines times modes", derived="memory: 4 MB"
     )
