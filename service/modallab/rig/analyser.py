@@ -140,17 +140,26 @@ class Analyser:
         rounding = ACQUISITION.line_tolerance
         return int(np.ceil(low / self.spacing - rounding)), int(np.floor(high / self.spacing + rounding))
 
+    @property
+    def band_ends_between_lines(self) -> FloatArray:
+        """Ends of the source's band that are on no line, (n,) Hz."""
+        ends = np.array(self.excitation.band or (), float)
+        place = ends / self.spacing
+        between = np.abs(place - np.round(place)) > ACQUISITION.line_tolerance
+        return np.asarray(ends[between & (place < self.n_lines - 1)])
+
     def source_density(self, freq: FloatArray) -> FloatArray:
         """Return the spectrum of the source at `freq` (n,) Hz, N^2/Hz.
 
-        Flat over its band, which ends on lines; beside it next to nothing is left.
+        Flat over its band; beside it next to nothing is left.
         """
-        first, last = self.driven_lines
-        rounding = ACQUISITION.line_tolerance  # 400 times 502 Hz / 400 is below 502 Hz
-        low, high = (first - rounding) * self.spacing, (last + rounding) * self.spacing
-        inside = (freq >= low) & (freq <= high)
+        low, high = self.excitation.band or (0.0, self.frequency_max)
+        rounding = ACQUISITION.line_tolerance * self.spacing  # 400 times 502 Hz / 400 is below 502 Hz
+        between = self.band_ends_between_lines
+        inside = freq >= (low if low in between else low - rounding)
+        inside &= freq <= (high if high in between else high + rounding)
         share = np.where(inside, 1.0, SOURCE.out_of_band)
-        return np.asarray(self.source_level**2 / ((last - first) * self.spacing) * share)
+        return np.asarray(self.source_level**2 / (high - low) * share)
 
     @property
     def line_window_kind(self) -> str:

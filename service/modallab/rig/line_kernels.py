@@ -146,12 +146,14 @@ def refined_panels(
 ) -> tuple[FloatArray, FloatArray]:
     """Return Gauss nodes and weights, (n_nodes,) Hz, from 0 Hz to the top of the band.
 
-    Panels of one line are halved until none is longer than twice its distance from any pole, which
-    makes the error of a panel fall by 2.4^-20 or more with ten points (Bernstein ellipse).
+    Panels of one line, or up to an end of the source's band, are halved until none is longer than twice its
+    distance from any pole, which makes the error of a panel fall by 2.4^-20 or more with ten points
+    (Bernstein ellipse).
     """
     flat, half = poles.ravel(), np.maximum(widths.ravel(), QUADRATURE.min_half_width * analyser.spacing)
     inside = (flat > -analyser.spacing) & (flat < analyser.frequency_max + analyser.spacing)
-    return panels_near_poles(analyser.freq[:-1], analyser.freq[1:], flat[inside], half[inside], points)
+    ends = np.union1d(analyser.freq, analyser.band_ends_between_lines)
+    return panels_near_poles(ends[:-1], ends[1:], flat[inside], half[inside], points)
 
 
 def panels_near_poles(
