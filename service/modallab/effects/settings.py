@@ -282,6 +282,15 @@ class IntegrationScan(Settings):
     )
 
 
+@dataclass(frozen=True)
+class TransverseScan(Settings):
+    """Scan of the most sensitive direction across an accelerometer's axis."""
+
+    angle: float = setting(
+        np.pi / 3, unit="rad", doc="trial angle to either side of 0", derived="half a turn in three steps"
+    )
+
+
 OSCILLATOR_SCAN = OscillatorScan()
 STINGER_SCAN = StingerScan()
 MOUNTING_SCAN = MountingScan()
@@ -297,3 +306,4 @@ ARMATURE_SCAN = ArmatureScan()
 DOUBLE_HIT_SCAN = DoubleHitScan()
 SUSPENSION = SuspensionPlaces()
 INTEGRATION = IntegrationScan()
+TRANSVERSE_SCAN = TransverseScan()

@@ -1,6 +1,6 @@
 """Transverse sensitivity of accelerometers."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import NoneType
 from typing import ClassVar, Self
@@ -11,6 +11,7 @@ from modallab.core.dof import TRANSLATIONS, Dof
 from modallab.core.parameters import parameter
 from modallab.core.place import Channels, Place
 from modallab.correlation.evidence import Evidence
+from modallab.effects.settings import TRANSVERSE_SCAN
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.channel import Channel
@@ -30,8 +31,8 @@ class TransverseSensitivity(Effect):
 
     t and u are the other two translations of the node in the order X, Y, Z, positive along the axes of the
     structure. Translations that the structure does not have are 0, so that in a plane frame only s
-    cos(angle) matters. Reciprocal FRFs no longer agree. ISO 16063-31 describes the measurement of s and the
-    angle; a good accelerometer has 0.01 to 0.05.
+    cos(angle) matters: there a diagnosis leaves the angle at 0. Reciprocal FRFs no longer agree. ISO 16063-31
+    describes the measurement of s and the angle; a good accelerometer has 0.01 to 0.05.
     """
 
     kind: ClassVar[str] = "transverse_sensitivity"
@@ -53,6 +54,7 @@ class TransverseSensitivity(Effect):
         upper=np.pi / 2,
         absent=None,
         doc="about the axis, to the most sensitive direction",
+        optional_start=TRANSVERSE_SCAN.angle,
     )
 
     def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:
@@ -63,6 +65,12 @@ class TransverseSensitivity(Effect):
             if dof in system.dofs:
                 channel = channel.with_pickup(dof, float(share))
         return channel
+
+    def scan_values(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
+        """Return angles of structures that move in both directions across an axis."""
+        dofs = set(system.dofs)
+        in_space = any(dofs.issuperset(_across(dof)) for dof in setup.responses)
+        return {"angle": (0.0, TRANSVERSE_SCAN.angle, -TRANSVERSE_SCAN.angle)} if in_space else {}
 
     def check(self, structure: Structure, setup: RigSetup | None = None) -> None:
         """Raise unless there is motion across the axis of a channel it sits at."""

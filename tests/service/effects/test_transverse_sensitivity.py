@@ -1,6 +1,8 @@
 """An accelerometer hears motion across its axis."""
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -12,6 +14,7 @@ from modallab.effects.transverse_sensitivity import TransverseSensitivity
 from modallab.fe.assembly import assemble
 from modallab.fe.receptance import direct_receptance
 from modallab.fe.structure import PLANE
+from modallab.fe.system import DynamicSystem
 from modallab.rig.chain import chain
 from modallab.rig.effect import Effect
 from modallab.rig.hardware import Accelerometers
@@ -70,3 +73,16 @@ def test_the_data_sheet_implies_it() -> None:
     used = Accelerometers(transverse_sensitivity=0.03, transverse_angle=0.2)
     (found,) = TransverseSensitivity.from_setup(rig(7, accelerometers=used))
     assert (found.sensitivity, found.angle, found.at) == (0.03, 0.2, None)
+
+
+def test_an_angle_is_fitted_where_an_accelerometer_moves_in_all_directions() -> None:
+    in_plane = assemble(tilted_beam())
+    effect = TransverseSensitivity()
+    assert effect.scan_values(in_plane, SETUP) == {}
+    assert [name for name, *_ in effect.fitted_specs()] == ["sensitivity"]
+    in_space = SimpleNamespace(dofs=[Dof(7, direction) for direction in ("X", "Y", "Z")])
+    (angles,) = effect.scan_values(cast("DynamicSystem", in_space), SETUP).values()
+    # half a turn in equal steps: a sensitivity at angle + pi is the negative one at the angle
+    np.testing.assert_allclose(np.diff(sorted(angles)), np.pi / 3)
+    names = [[n for n, *_ in replace(effect, angle=angle).fitted_specs()] for angle in angles]
+    assert names == [["sensitivity"], ["sensitivity", "angle"], ["sensitivity", "angle"]]
