@@ -41,6 +41,8 @@ class Fit:
     """Data per independent datum."""
     compute_errors: Callable[[], ParameterErrors]
     """Computes the standard errors."""
+    n_placements: float = 1.0
+    """Number of places that effects of these kinds have, one effect's times the next one's."""
     nuisance_position: FloatArray = field(default_factory=lambda: np.zeros(0))
     """(n,) of the nuisance parameters, standard deviations."""
     starting_position: FloatArray = field(default_factory=lambda: np.zeros(0))
@@ -74,7 +76,7 @@ class Fit:
 
     @property
     def bic(self) -> float:
-        """Bayesian information criterion, times the correlation length of the data; lower is better."""
+        """Extended Bayesian information criterion, times the data's correlation length; lower is better."""
         return self.bic_at(1.0)
 
     def bic_at(self, overdispersion: float) -> float:
@@ -83,8 +85,13 @@ class Fit:
 
     @property
     def penalty(self) -> float:
-        """Penalty of the BIC for all parameters."""
-        return self.n_parameters * self.cost_per_parameter
+        """Penalty of the extended BIC for all parameters, and for the choice of places.
+
+        Of many places one fits better by chance: each kind has the same prior probability, shared by its
+        places. Chen and Chen, Biometrika 95 (2008), 759, with gamma = 1.
+        """
+        choice = 2 * self.correlation_length * float(np.log(self.n_placements))
+        return self.n_parameters * self.cost_per_parameter + choice
 
     @property
     def cost_per_parameter(self) -> float:
@@ -206,10 +213,19 @@ def _fit(
         len(vector),
         plain.observed.correlation_length,
         compute_errors,
+        _placements(plain, [*fixed, *final]),
         position,
         starting_position,
         known if effects or fixed else derivatives.astype(np.float32),
     )
+
+
+def _placements(predictor: Predictor, effects: Sequence[Effect]) -> float:
+    """Return the number of ways to place effects of these kinds; an effect on the whole test has one."""
+    system, setup = predictor.system, predictor.setup
+    placed = [type(effect) for effect in effects if effect.at is not None]
+    choices = {kind: sum(at is not None for at in kind.places(system, setup)) for kind in set(placed)}
+    return float(np.prod([max(1, choices[kind]) for kind in placed]))
 
 
 def _missing_effect_variance(square: float, n_data: int, correlation_length: float) -> float:

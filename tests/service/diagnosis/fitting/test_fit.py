@@ -176,3 +176,16 @@ def test_a_wrong_amount_does_not_draw_away_what_says_how_it_acts() -> None:
     for name, value in best.effects[0].parameters.items():
         # All lines of this test are looked at first, so that both have one goal.
         assert abs(near.parameters[name] - value) < best.errors[0][name]
+
+
+def test_an_effect_at_one_of_many_places_pays_for_the_choice() -> None:
+    # A sum of squares falls by 2 ln(n) where the best of n places is taken from random errors alone.
+    predictor, _ = predicting(draw_measurement(rig()))
+    everywhere = fit(predictor, [StiffnessError(factor=1.1)])
+    somewhere = fit(predictor, [StiffnessError(at=Members((3,)), factor=1.1)])
+    assert predictor.system.members is not None
+    n = len(predictor.system.members.numbers)
+    cost = 2 * somewhere.correlation_length * np.log(n)
+    assert np.isclose(somewhere.penalty - everywhere.penalty, cost, rtol=1e-12)  # rounding
+    pair = fit(predictor, [StiffnessError(at=Members((k,)), factor=1.1) for k in (3, 8)])
+    assert np.isclose(pair.penalty, 2 * somewhere.penalty, rtol=1e-12)
