@@ -41,8 +41,10 @@ class Fit:
     """Data per independent datum."""
     compute_errors: Callable[[], ParameterErrors]
     """Computes the standard errors."""
-    n_placements: float = 1.0
-    """Number of places that effects of these kinds have, one effect's times the next one's."""
+    n_chosen: float = 1.0
+    """Number of places that the kinds of effects at one place have, one effect's times the next one's."""
+    n_possible: float = 1.0
+    """The same of all effects, those on the whole test too."""
     nuisance_position: FloatArray = field(default_factory=lambda: np.zeros(0))
     """(n,) of the nuisance parameters, standard deviations."""
     starting_position: FloatArray = field(default_factory=lambda: np.zeros(0))
@@ -77,21 +79,34 @@ class Fit:
     @property
     def bic(self) -> float:
         """Extended Bayesian information criterion, times the data's correlation length; lower is better."""
-        return self.bic_at(1.0)
+        return self.chi_square + self.penalty
 
-    def bic_at(self, overdispersion: float) -> float:
-        """Return the BIC with the variance of the residuals that many times that of random error."""
-        return self.chi_square / overdispersion + self.penalty
+    def bic_among_kinds(self, overdispersion: float = 1.0) -> float:
+        """Return the BIC where kinds are compared, and residuals have more than the random error's variance.
+
+        Parameters
+        ----------
+        overdispersion
+            Ratio of these variances.
+        """
+        return self.chi_square / overdispersion + self.penalty_among_kinds
 
     @property
     def penalty(self) -> float:
         """Penalty of the extended BIC for all parameters, and for the choice of places.
 
-        Of many places one fits better by chance: each kind has the same prior probability, shared by its
-        places. Chen and Chen, Biometrika 95 (2008), 759, with gamma = 1.
+        Of many places one fits better by chance: an effect on the whole test has the same prior probability
+        as one at any of the places together. Chen and Chen, Biometrika 95 (2008), 759, with gamma = 1.
         """
-        choice = 2 * self.correlation_length * float(np.log(self.n_placements))
-        return self.n_parameters * self.cost_per_parameter + choice
+        return self.n_parameters * self.cost_per_parameter + self._cost_of(self.n_chosen)
+
+    @property
+    def penalty_among_kinds(self) -> float:
+        """The penalty where kinds are compared: of each, any place has the same prior probability."""
+        return self.penalty - self._cost_of(self.n_possible)
+
+    def _cost_of(self, n_choices: float) -> float:
+        return 2 * self.correlation_length * float(np.log(n_choices))
 
     @property
     def cost_per_parameter(self) -> float:
@@ -213,19 +228,20 @@ def _fit(
         len(vector),
         plain.observed.correlation_length,
         compute_errors,
-        _placements(plain, [*fixed, *final]),
+        *_numbers_of_places(plain, [*fixed, *final]),
         position,
         starting_position,
         known if effects or fixed else derivatives.astype(np.float32),
     )
 
 
-def _placements(predictor: Predictor, effects: Sequence[Effect]) -> float:
-    """Return the number of ways to place effects of these kinds; an effect on the whole test has one."""
+def _numbers_of_places(predictor: Predictor, effects: Sequence[Effect]) -> tuple[float, float]:
+    """Return `Fit.n_chosen` and `Fit.n_possible`."""
     system, setup = predictor.system, predictor.setup
-    placed = [type(effect) for effect in effects if effect.at is not None]
-    choices = {kind: sum(at is not None for at in kind.places(system, setup)) for kind in set(placed)}
-    return float(np.prod([max(1, choices[kind]) for kind in placed]))
+    kinds = {type(effect) for effect in effects}
+    n = {kind: max(1, sum(at is not None for at in kind.places(system, setup))) for kind in kinds}
+    chosen = [n[type(effect)] for effect in effects if effect.at is not None]
+    return float(np.prod(chosen)), float(np.prod([n[type(effect)] for effect in effects]))
 
 
 def _missing_effect_variance(square: float, n_data: int, correlation_length: float) -> float:

@@ -8,6 +8,7 @@ from modallab.diagnosis.optimisation.nuisance_parameters import nuisance_paramet
 from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.effects.accelerometer_mass import AccelerometerMass
 from modallab.effects.cable_mass import CableMass
+from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.gain_error import GainError
 from modallab.effects.joint_flexibility import JointFlexibility
 from modallab.effects.loss_factor_error import LossFactorError
@@ -187,5 +188,9 @@ def test_an_effect_at_one_of_many_places_pays_for_the_choice() -> None:
     n = len(predictor.system.members.numbers)
     cost = 2 * somewhere.correlation_length * np.log(n)
     assert np.isclose(somewhere.penalty - everywhere.penalty, cost, rtol=1e-12)  # rounding
+    # Where kinds are compared a place of one is as likely as one of another, however many there are.
+    mass = fit(predictor, [ExtraMass(at=Dof(4, "Y"), mass=0.01)])
+    assert np.isclose(mass.penalty_among_kinds, somewhere.penalty_among_kinds, rtol=1e-12)
+    assert np.isclose(everywhere.penalty_among_kinds, mass.penalty_among_kinds - cost, rtol=1e-12)
     pair = fit(predictor, [StiffnessError(at=Members((k,)), factor=1.1) for k in (3, 8)])
     assert np.isclose(pair.penalty, 2 * somewhere.penalty, rtol=1e-12)
