@@ -23,7 +23,7 @@ check: setup ## format, lint, types, floors, known vulnerabilities
 	.ci/audit $(BIN)/pip-audit
 
 # Some of the tests start processes, hundreds in all: what they import is compiled once, not by each of them.
-# They wait for these a third of their time: on two cores three workers take 22 minutes, two 30.
+# Tests wait for such processes a third of their time, so that two cores serve three workers.
 test: export PYTHONDONTWRITEBYTECODE :=
 test: setup ## the whole test suite, with branch coverage
 	$(BIN)/python -m slipcover --json --out coverage.json -m pytest -n 3 --dist loadfile --no-loadscope-reorder $(if $(CI),--durations=25)

@@ -142,7 +142,7 @@ class Analyser:
 
     @property
     def band_ends_between_lines(self) -> FloatArray:
-        """Ends of the source's band that are on no line, (n,) Hz."""
+        """Limits of the source's frequency band that lie between two lines, (n,) Hz."""
         ends = np.array(self.excitation.band or (), float)
         place = ends / self.spacing
         between = np.abs(place - np.round(place)) > ACQUISITION.line_tolerance

@@ -41,10 +41,10 @@ class Fit:
     """Data per independent datum."""
     compute_errors: Callable[[], ParameterErrors]
     """Computes the standard errors."""
-    n_chosen: float = 1.0
-    """Number of places that the kinds of effects at one place have, one effect's times the next one's."""
-    n_possible: float = 1.0
-    """The same of all effects, those on the whole test too."""
+    n_placements: float = 1.0
+    """Number of ways to place the local effects: the product of the numbers of places of their kinds."""
+    n_possible_placements: float = 1.0
+    """Number of ways to place all effects, if global ones were local too."""
     nuisance_position: FloatArray = field(default_factory=lambda: np.zeros(0))
     """(n,) of the nuisance parameters, standard deviations."""
     starting_position: FloatArray = field(default_factory=lambda: np.zeros(0))
@@ -81,32 +81,32 @@ class Fit:
         """Extended Bayesian information criterion, times the data's correlation length; lower is better."""
         return self.chi_square + self.penalty
 
-    def bic_among_kinds(self, overdispersion: float = 1.0) -> float:
-        """Return the BIC where kinds are compared, and residuals have more than the random error's variance.
+    def bic_between_kinds(self, overdispersion: float = 1.0) -> float:
+        """Return the BIC for a comparison of kinds of effects, with `penalty_between_kinds`.
 
         Parameters
         ----------
         overdispersion
-            Ratio of these variances.
+            Variance of the residuals over that of the random error.
         """
-        return self.chi_square / overdispersion + self.penalty_among_kinds
+        return self.chi_square / overdispersion + self.penalty_between_kinds
 
     @property
     def penalty(self) -> float:
-        """Penalty of the extended BIC for all parameters, and for the choice of places.
+        """Penalty of the extended BIC: for the number of parameters, and for the choice of places.
 
-        Of many places one fits better by chance: an effect on the whole test has the same prior probability
-        as one at any of the places together. Chen and Chen, Biometrika 95 (2008), 759, with gamma = 1.
+        The best of many places fits better by chance. A global effect has the same prior probability as all
+        places of its kind together. Chen and Chen, Biometrika 95 (2008), 759, with gamma = 1.
         """
-        return self.n_parameters * self.cost_per_parameter + self._cost_of(self.n_chosen)
+        return self.n_parameters * self.cost_per_parameter + self._choice_penalty(self.n_placements)
 
     @property
-    def penalty_among_kinds(self) -> float:
-        """The penalty where kinds are compared: of each, any place has the same prior probability."""
-        return self.penalty - self._cost_of(self.n_possible)
+    def penalty_between_kinds(self) -> float:
+        """Penalty for a comparison of kinds of effects: every place of every kind is equally probable."""
+        return self.penalty - self._choice_penalty(self.n_possible_placements)
 
-    def _cost_of(self, n_choices: float) -> float:
-        return 2 * self.correlation_length * float(np.log(n_choices))
+    def _choice_penalty(self, n_placements: float) -> float:
+        return 2 * self.correlation_length * float(np.log(n_placements))
 
     @property
     def cost_per_parameter(self) -> float:
@@ -228,20 +228,20 @@ def _fit(
         len(vector),
         plain.observed.correlation_length,
         compute_errors,
-        *_numbers_of_places(plain, [*fixed, *final]),
+        *_placements(plain, [*fixed, *final]),
         position,
         starting_position,
         known if effects or fixed else derivatives.astype(np.float32),
     )
 
 
-def _numbers_of_places(predictor: Predictor, effects: Sequence[Effect]) -> tuple[float, float]:
-    """Return `Fit.n_chosen` and `Fit.n_possible`."""
+def _placements(predictor: Predictor, effects: Sequence[Effect]) -> tuple[float, float]:
+    """Return `Fit.n_placements` and `Fit.n_possible_placements`."""
     system, setup = predictor.system, predictor.setup
     kinds = {type(effect) for effect in effects}
-    n = {kind: max(1, sum(at is not None for at in kind.places(system, setup))) for kind in kinds}
-    chosen = [n[type(effect)] for effect in effects if effect.at is not None]
-    return float(np.prod(chosen)), float(np.prod([n[type(effect)] for effect in effects]))
+    n_places = {kind: max(1, sum(at is not None for at in kind.places(system, setup))) for kind in kinds}
+    local = [n_places[type(effect)] for effect in effects if effect.at is not None]
+    return float(np.prod(local)), float(np.prod([n_places[type(effect)] for effect in effects]))
 
 
 def _missing_effect_variance(square: float, n_data: int, correlation_length: float) -> float:

@@ -75,8 +75,8 @@ class NoiseCost:
     def steps(self, position: Coefficients) -> tuple[float, Coefficients]:
         """Return the cost, and the steps of the coefficients of force (n,) and responses (n, n_out).
 
-        By Gauss and Newton's method, which leads from any start to much the same minimum; where its steps
-        are short by Newton's, if its curvature is positive: near spectra of another shape it alone is quick.
+        Gauss-Newton steps lead from any start to nearly the same minimum, but converge linearly where misfits
+        are large. Newton steps replace them where they are short and the curvature is positive definite.
         """
         data, functions = self._data, self._functions
         with_force = self._free[0] or self._known_force is not None
@@ -102,19 +102,20 @@ class NoiseCost:
         return cost, step
 
     def _newton_step(self, position: Coefficients, by: "_Derivatives", *, second_order: bool) -> Coefficients:
-        """Return the step of the coefficients; those at the least noise that fall further stay there.
+        """Return a Newton step of the coefficients, or a Gauss-Newton step without second derivatives.
 
-        Those of the responses are eliminated by the Schur complement.
+        Coefficients at their lower bound with a step below it are fixed (active set). Those of the responses
+        are eliminated by the Schur complement.
 
         Parameters
         ----------
         second_order
-            Whether second derivatives of the spectra are taken.
+            Whether second derivatives of the spectra are included.
 
         Raises
         ------
         LinAlgError
-            If second derivatives are taken and the curvature is not positive.
+            If second derivatives are included and the curvature is not positive definite.
         """
         functions, weight, weighted = self._functions, self._weight, self._weight * by.misfit
         twice = weight + second_order * weighted
@@ -124,7 +125,7 @@ class NoiseCost:
         curvature = self._curvature(twice * by.by_response**2 - second_order * weighted * by.by_response)
         curvature = _with_fixed(curvature, at_floor)
         if second_order:
-            np.linalg.cholesky(curvature)  # raises where it is not positive
+            np.linalg.cholesky(curvature)  # raises unless it is positive definite
         if not self._free[0]:
             of_responses = np.linalg.solve(curvature, slope[..., None])[..., 0]
             return np.zeros(len(position[0])), np.asarray(of_responses.T)
@@ -177,7 +178,7 @@ class _Derivatives:
 
 
 def _with_fixed(curvature: FloatArray, fixed: BoolArray) -> FloatArray:
-    """Return curvatures (..., n, n) in which some coefficients (..., n) are coupled with no other."""
+    """Return curvatures (..., n, n) with fixed coefficients (..., n) decoupled from all others."""
     if not fixed.any():
         return curvature
     free = ~fixed

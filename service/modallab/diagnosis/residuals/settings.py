@@ -218,7 +218,7 @@ class FreeLevelSettings(Settings):
     max_step: float = setting(3.0, doc="largest step of a logarithm", derived="only the cost depends on it")
     short_step: float = setting(
         1.0,
-        doc="largest step of a logarithm below which second derivatives are used",
+        doc="largest Gauss-Newton step of a logarithm below which a Newton step replaces it",
         derived="a factor of e: only the cost depends on it",
     )
     last_step: float = setting(

@@ -133,7 +133,7 @@ def _criteria(fits: Sequence[Fit], overdispersion: float = 1.0) -> list[float]:
     decisive. The standard error of the additional parameter includes the correlation of lines, so the gain
     over the reduced model is at most the square of its significance.
     """
-    bic = {id(candidate): candidate.bic_among_kinds(overdispersion) for candidate in fits}
+    bic = {id(candidate): candidate.bic_between_kinds(overdispersion) for candidate in fits}
     bounds = [_lower_bound(candidate, fits, bic) for candidate in fits]
     return [
         bic[id(candidate)] if bound is None else max(bic[id(candidate)], bound)
@@ -158,7 +158,7 @@ def _lower_bound(candidate: Fit, fits: Sequence[Fit], bic: Mapping[int, float]) 
     if any(value < ACCEPTANCE.min_significance for value in other_significance):
         return None  # the data may determine only a product of its parameters, not the error of one
     gain = candidate.correlation_length * sum(significance[name] ** 2 for name in extra_parameters)
-    penalty = candidate.penalty_among_kinds - plain.penalty_among_kinds
+    penalty = candidate.penalty_between_kinds - plain.penalty_between_kinds
     # Far from zero a standard error shows that the parameter is nonzero, not how much worse zero is.
     return float(bic[id(plain)] + penalty - gain) if gain < penalty + ACCEPTANCE.very_strong_bic else None
 

@@ -251,7 +251,7 @@ class _Round:
 
 
 def _bic(candidate: Fit) -> float:
-    return candidate.bic_among_kinds()
+    return candidate.bic_between_kinds()
 
 
 def _is_imitated(force: Effect, explanation: Effect, system: DynamicSystem) -> bool:

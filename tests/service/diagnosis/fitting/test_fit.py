@@ -190,7 +190,7 @@ def test_an_effect_at_one_of_many_places_pays_for_the_choice() -> None:
     assert np.isclose(somewhere.penalty - everywhere.penalty, cost, rtol=1e-12)  # rounding
     # Where kinds are compared a place of one is as likely as one of another, however many there are.
     mass = fit(predictor, [ExtraMass(at=Dof(4, "Y"), mass=0.01)])
-    assert np.isclose(mass.penalty_among_kinds, somewhere.penalty_among_kinds, rtol=1e-12)
-    assert np.isclose(everywhere.penalty_among_kinds, mass.penalty_among_kinds - cost, rtol=1e-12)
+    assert np.isclose(mass.penalty_between_kinds, somewhere.penalty_between_kinds, rtol=1e-12)
+    assert np.isclose(everywhere.penalty_between_kinds, mass.penalty_between_kinds - cost, rtol=1e-12)
     pair = fit(predictor, [StiffnessError(at=Members((k,)), factor=1.1) for k in (3, 8)])
     assert np.isclose(pair.penalty, 2 * somewhere.penalty, rtol=1e-12)
