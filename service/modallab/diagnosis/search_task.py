@@ -25,7 +25,6 @@ from modallab.diagnosis.predicting.prediction_budget import PredictionBudget
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.predicting.settings import BUDGET
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
-from modallab.diagnosis.predicting.supported_levels import with_supported_force_noise
 from modallab.diagnosis.residuals.frf_selection import FrfSelection
 from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.search_result import SearchResult
@@ -169,12 +168,7 @@ class SearchTask:
     def _predictor(self, held_out: Sequence[FrfSelection], tolerances: Tolerances, pulse: Pulse) -> Predictor:
         """Return the predictor of all tests, with nuisance parameters free within their tolerances."""
         structure, tests = self.structure, self.tests
-        observations = [
-            with_supported_force_noise(
-                structure, test.setup, observe(test, held_out, fraction=self.hold_out_fraction)
-            )
-            for test in tests
-        ]
+        observations = [observe(test, held_out, fraction=self.hold_out_fraction) for test in tests]
         budget = PredictionBudget(BUDGET.predictions_per_test * len(tests))
         first = SingleTestPredictor.of(
             structure, tests[0].setup, observations[0], heartbeat=pulse.beat, budget=budget

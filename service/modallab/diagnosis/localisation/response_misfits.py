@@ -4,8 +4,8 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.diagnosis.localisation.settings import CHANNEL_ERRORS
+from modallab.diagnosis.residuals.normalised_difference import normalised_difference
 from modallab.diagnosis.residuals.observed import Observed
-from modallab.diagnosis.residuals.residual import normalised_difference
 from modallab.diagnosis.result import ChannelError, ResponseMisfit
 
 

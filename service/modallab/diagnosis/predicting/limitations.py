@@ -111,10 +111,10 @@ def _of_levels(levels: FreeLevels, observed: Observed) -> Iterator[str]:
     if kinds:
         kinds.append("quantisation")
         yield f"noise of the channels is not declared: fitted to the test, and {', '.join(kinds)} not judged"
-    if levels.force_noise and not observed.free_levels.biases_h1:
+    if levels.force_noise:
         yield (
-            "the coherence may show noise of the force, but the FRFs are not as low as H1 with such noise: "
-            "it is taken for noise in proportion to the responses"
+            "the coherence does not distinguish noise of the force, which makes H1 low, from noise in "
+            "proportion to the responses: how low the FRFs are decides between them"
         )
     if levels.shape:
         yield "the source's spectrum is not declared: a force is compared beside a smooth curve fitted to it"

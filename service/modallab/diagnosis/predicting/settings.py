@@ -11,29 +11,6 @@ TESTS = "simulated tests of the suite"
 class PredictionSettings(Settings):
     """Coarse predictions and their cost."""
 
-    bias_share: float = setting(
-        0.5,
-        doc="share of the bias of H1 by noise of the force, up to which FRFs are taken to show none of it",
-        derived="nearer to none than to all",
-    )
-    bias_errors: float = setting(
-        3.0,
-        unit="standard errors",
-        doc="distance of that share from 1 from which FRFs contradict the noise; and median misfit of the "
-        "coherence up to which the noise explains it",
-        derived="3 sigma",
-    )
-    bias_blocks: int = setting(
-        20,
-        unit="blocks",
-        doc="blocks of lines, wider than the distance over which a deviation of the model keeps its sign",
-        derived="two a mode in a band of ten",
-    )
-    sensitivity_error: float = setting(
-        0.03,
-        doc="error of a sensitivity where FRFs are to tell noise of the force, one standard deviation",
-        derived="the tolerance of the preset for students",
-    )
     coarse_lines: int = setting(130, unit="lines", doc="lines of a coarse prediction, at least", tuned=TESTS)
     remaining_decay: float = setting(
         0.01,

@@ -13,6 +13,7 @@ import numpy as np
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.numerics import COHERENCE_ROUNDING, SAFE_DIVISOR
 from modallab.diagnosis.residuals.channel_noise import ChannelNoise, NoiseData
+from modallab.diagnosis.residuals.h1_bias import share_of_bias
 from modallab.diagnosis.residuals.noise_fit import fit_channel_noise
 from modallab.diagnosis.residuals.noise_reference import ExpectedForceNoise, IncoherentSpectra
 from modallab.diagnosis.residuals.source_power import force_spectra
@@ -41,8 +42,6 @@ class FreeLevels:
     """To which force the ratio of its noise relates: the one measured, or the one expected."""
     expected_force_noise: ExpectedForceNoise | None = None
     """Noise at that ratio to the expected force; None if the ratio is to the one measured."""
-    biases_h1: bool = True
-    """Whether free noise of the force biases H1 low; if not it is noise in proportion to the responses."""
 
     @classmethod
     def of(cls, setup: RigSetup, *, simulated: bool) -> "FreeLevels":
@@ -97,7 +96,7 @@ class FreeLevels:
             return spectra
         spectra = self.with_source(spectra, observed, lines)
         levels = self.fitted_noise(spectra, observed, lines, start=start)
-        return spectra if levels is None else _with_noise(spectra, levels, biases_h1=self.biases_h1)
+        return spectra if levels is None else self._with_noise(spectra, levels, observed, lines)
 
     def with_source(
         self, spectra: CrossSpectra, observed: "Observed", lines: IntArray | None = None
@@ -147,6 +146,27 @@ class FreeLevels:
             response_noise=self.response_noise,
             start=start,
         )
+
+    def _with_noise(
+        self, spectra: CrossSpectra, noise: ChannelNoise, observed: "Observed", lines: IntArray | None
+    ) -> CrossSpectra:
+        """Return spectra with noise; of free noise of the force only the share that the FRFs show biases H1.
+
+        The rest is noise in proportion to the responses.
+        """
+        n_run, n_freq, n_out = spectra.xx.shape
+        of_response, ff = noise.response_at(spectra.freq), spectra.ff
+        if noise.force is not None:
+            of_force = noise.force_at(spectra.freq)[:, None]
+            ratio = of_force / np.maximum(force_spectra(spectra), SAFE_DIVISOR)
+            at_lines = (spectra, ratio) if lines is None else (spectra.at(lines), ratio[:, lines])
+            share = share_of_bias(*at_lines, observed)
+            force, gain, _, _ = _coherent_parts(spectra)
+            unbiased = ratio / (1 + ratio) - share * ratio / (1 + share * ratio)
+            of_response = of_response + _proportional_noise(gain * force, unbiased)
+            ff = ff + share * of_force[..., None] * np.eye(ff.shape[2])
+        by_run = np.broadcast_to(of_response, (n_freq, n_run * n_out)).reshape(n_freq, n_run, n_out)
+        return replace(spectra, ff=ff, xx=spectra.xx + by_run.swapaxes(0, 1))
 
     @staticmethod
     def _with_force_noise(
@@ -215,19 +235,18 @@ def _incoherent(observed: "Observed", force: FloatArray) -> tuple[FloatArray | N
     return by_frf * np.abs(observed.h) ** 2 * incoherent_ratio(g2), np.full(g2.shape, variance)
 
 
-def _with_noise(spectra: CrossSpectra, noise: ChannelNoise, *, biases_h1: bool) -> CrossSpectra:
-    """Return spectra with noise, that of the forces in them or in the responses alone."""
-    n_run, n_freq, n_out = spectra.xx.shape
-    of_force, of_response = noise.force_at(spectra.freq), noise.response_at(spectra.freq)
-    if not biases_h1:
-        force, gain, _, _ = _coherent_parts(spectra)
-        share = of_force[:, None, None] / np.maximum(force + of_force[:, None, None], SAFE_DIVISOR)
-        of_response = of_response + (gain * force * share).sum(axis=2)
-    by_run = np.broadcast_to(of_response, (n_freq, n_run * n_out)).reshape(n_freq, n_run, n_out)
-    xx = spectra.xx + by_run.swapaxes(0, 1)
-    if not biases_h1:
-        return replace(spectra, xx=xx)
-    return replace(spectra, ff=spectra.ff + of_force[:, None, None] * np.eye(spectra.ff.shape[2]), xx=xx)
+def _proportional_noise(by_force: FloatArray, ratio: FloatArray) -> FloatArray:
+    """Return noise (n_freq, n_run n_out) of responses, in proportion to their parts by force.
+
+    Parameters
+    ----------
+    by_force
+        (n_freq, n_run n_out, n_in), parts of the responses that each force makes.
+    ratio
+        (n_run, n_freq, n_in), noise over these parts.
+    """
+    n_out = by_force.shape[1] // len(ratio)
+    return np.asarray((by_force * np.repeat(ratio.swapaxes(0, 1), n_out, axis=1)).sum(axis=2))
 
 
 def at_level_of(expected: CrossSpectra, fitted: CrossSpectra) -> CrossSpectra:

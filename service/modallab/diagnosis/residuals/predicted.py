@@ -25,7 +25,7 @@ def _side_by_side(runs: RealOrComplex, n_in: int = 1) -> RealOrComplex:
     return out
 
 
-def _frfs(runs: RealOrComplex) -> RealOrComplex:
+def frfs_side_by_side(runs: RealOrComplex) -> RealOrComplex:
     """Return FRFs (n_run, n_freq, n_out) or (.., n_in) of all runs as (n_freq, n_run n_in n_out)."""
     by_force = runs if runs.ndim == 3 else runs.swapaxes(2, 3)
     out: RealOrComplex = by_force.swapaxes(0, 1).reshape(runs.shape[1], -1)
@@ -60,10 +60,12 @@ class VarianceRatios:
         deviations, n_in = None, spectra.ff.shape[2]
         if runs.tests is not None:
             force, frf, response = runs.tests
-            h = np.array([_frfs(test) for test in frf])
+            h = np.array([frfs_side_by_side(test) for test in frf])
             incoherent = np.array([_side_by_side(test, n_in) for test in response])
             deviations = (np.array([_forces(test) for test in force]), h, incoherent)
-        return cls(_forces(runs.force), _frfs(runs.frf), _side_by_side(runs.response, n_in), deviations)
+        return cls(
+            _forces(runs.force), frfs_side_by_side(runs.frf), _side_by_side(runs.response, n_in), deviations
+        )
 
     def at(self, lines: IntArray) -> "VarianceRatios":
         """Return the ratios at some of the lines, (n,) indices; itself if these are all."""
@@ -124,8 +126,8 @@ class Predicted:
         incoherent = spectra.xx * (1 - g2 + COHERENCE_ROUNDING)
         force = spectra.ff[..., np.arange(n_in), np.arange(n_in)].real
         return cls(
-            _frfs(h),
-            _frfs(coherence_of_frfs(spectra, h, g2)),
+            frfs_side_by_side(h),
+            frfs_side_by_side(coherence_of_frfs(spectra, h, g2)),
             _forces(force),
             _side_by_side(incoherent, n_in),
             None if excess_variance is None else lambda: _side_by_side(excess_variance(), n_in),

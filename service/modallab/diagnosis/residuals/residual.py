@@ -7,9 +7,10 @@ from functools import cached_property
 import numpy as np
 from scipy.special import polygamma
 
-from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray, logarithm
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.diagnosis.residuals.autocorrelation import correlation_length, dependent_channels
 from modallab.diagnosis.residuals.decorrelation import Decorrelation
+from modallab.diagnosis.residuals.normalised_difference import normalised_difference
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.predicted import Predicted, VarianceRatios
 from modallab.diagnosis.residuals.settings import RANDOM_ERROR, RESIDUAL
@@ -189,39 +190,6 @@ def residual(observed: Observed, predicted: Predicted, *, noise_inflation: float
         observed.response_once,
         observed.decorrelation,
     )
-
-
-def normalised_difference(observed: Observed, h: ComplexArray) -> ComplexArray:
-    """Return the relative difference of a measured from a predicted H1, (n_freq, n_out).
-
-    The difference divided by its random error has unit variance. Two forms of it are combined.
-
-    The difference (H_m - H_p)/|H_m| over its error has mean square 1 at any coherence, and a fit to it is
-    unbiased: for given G_ff, H1 is normal about its expectation and independent of G_xx (1 - coherence),
-    from which its weight follows (Goodman 1963). But a fit to it has many local minima far from the
-    solution. A fit to the logarithm ln(H_m/H_p) has one minimum. While the random error is small, the
-    logarithm has the same distribution up to a bias: lines that are large by chance have more weight, which
-    the bias of their squared error corrects. Therefore the logarithm is used where random errors are small,
-    the difference where they are large, and a weighted mean of both between.
-
-    Parameters
-    ----------
-    h
-        (n_freq, n_out), predicted.
-
-    Returns
-    -------
-    (n_freq, n_out), 0 at entries that are not usable.
-    """
-    ratio = observed.h / np.where(observed.usable, h, 1.0)
-    weight = logarithm_weight(observed.error)
-    log_ratio = logarithm(ratio) - observed.bias
-    return np.where(observed.usable, weight * log_ratio + (1 - weight) * (1 - 1 / ratio), 0.0)
-
-
-def logarithm_weight(error: FloatArray) -> FloatArray:
-    """Return the weight of the logarithm in `normalised_difference`, 0 to 1, at a random error of |H|."""
-    return np.asarray(1 / (1 + (2 * error**2 / RESIDUAL.logarithm_limit) ** 2))
 
 
 def inflation_weights(observed: Observed, mask: BoolArray, noise_inflation: float) -> FloatArray:

@@ -175,6 +175,18 @@ class NoiseReferenceSettings(Settings):
 
 
 @dataclass(frozen=True)
+class H1BiasSettings(Settings):
+    """Fit of the share of a free noise of the force that biases H1."""
+
+    tolerance: float = setting(
+        1e-9, doc="last step of the fitted share", derived="smooth for differences of 1e-4"
+    )
+    max_iterations: int = setting(
+        30, unit="iterations", doc="largest number of steps", derived="5 are enough mostly"
+    )
+
+
+@dataclass(frozen=True)
 class FreeLevelSettings(Settings):
     """Fits of levels that no log book declares."""
 
@@ -235,6 +247,7 @@ class FreeLevelSettings(Settings):
     )
 
 
+H1_BIAS = H1BiasSettings()
 MAINS_LINES = MainsLineSettings()
 RANDOM_ERROR = RandomErrorSettings()
 FREE_LEVELS = FreeLevelSettings()

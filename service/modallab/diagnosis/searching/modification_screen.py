@@ -9,8 +9,9 @@ import numpy as np
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray, logarithm
 from modallab.core.numerics import PRODUCT_ROUNDING, SAFE_DIVISOR
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
+from modallab.diagnosis.residuals.normalised_difference import logarithm_weight
 from modallab.diagnosis.residuals.observed import Observed
-from modallab.diagnosis.residuals.residual import logarithm_weight, residual
+from modallab.diagnosis.residuals.residual import residual
 from modallab.diagnosis.searching.run_receptances import Exchange, RunReceptances
 from modallab.diagnosis.searching.settings import SCREENING
 from modallab.rig.effect import Effect

@@ -9,7 +9,7 @@ import scipy
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.numerics import SAFE_SQUARED_DIVISOR
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
-from modallab.diagnosis.residuals.residual import logarithm_weight, normalised_difference
+from modallab.diagnosis.residuals.normalised_difference import logarithm_weight, normalised_difference
 from modallab.diagnosis.unknown.settings import UNKNOWN
 from modallab.estimation.force_noise import decorrelated_by_run
 

@@ -9,9 +9,10 @@ from scipy.optimize import minimize_scalar
 from modallab.core.dof import Dof
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.diagnosis.fitting.fit import fit
+from modallab.diagnosis.residuals.normalised_difference import normalised_difference
 from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.residuals.observed import Observed
-from modallab.diagnosis.residuals.residual import Residual, gap_errors, normalised_difference
+from modallab.diagnosis.residuals.residual import Residual, gap_errors
 from modallab.diagnosis.searching.acceptance import is_noise_only
 from modallab.effects.exciter_armature import ExciterArmature
 from modallab.rig.analyser import Analyser
