@@ -48,7 +48,7 @@ class Load:
     students: int
     seconds: float
     think: float
-    """s, mean of the exponentially distributed time before each of a student's three steps."""
+    """s, mean time before each of a student's three steps."""
     diagnoses: int
     """Diagnoses that the other user queues before the class begins."""
 
@@ -113,7 +113,8 @@ async def student(lab: AsyncModalLab, seen: Observation, i: int, load: Load, unt
 
     async def think() -> bool:
         """Return whether the class goes on after a time to think."""
-        seconds, left = float(rng.exponential(load.think)), until - time.monotonic()
+        # With exponential times some student of a hundred completes 2 loops of 5 however fast the service is.
+        seconds, left = float(rng.uniform(0.5, 1.5)) * load.think, until - time.monotonic()
         await asyncio.sleep(max(0.0, min(seconds, left)))
         return seconds < left
 

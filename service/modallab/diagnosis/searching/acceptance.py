@@ -8,6 +8,7 @@ from scipy.special import chdtri
 
 from modallab.core.arrays import BoolArray
 from modallab.core.dof import Dof
+from modallab.core.parameters import ParameterSpec
 from modallab.core.place import Channels
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.fitting.settings import FIT
@@ -202,13 +203,22 @@ def is_nonzero(effect: Effect, errors: Mapping[str, float]) -> bool:
     is the amount, though both together may be decisive: then BIC decides alone.
     """
     specs = [(name, spec) for name, spec, _ in effect.fitted_specs()]
-    undetermined = ACCEPTANCE.undetermined
-    if any(s.absent is None and errors[name] > undetermined * (s.upper - s.lower) for name, s in specs):
+    if any(_is_undetermined(spec, errors[name]) for name, spec in specs):
         return True
     amounts = (
         (effect.parameters[name] - s.absent, errors[name]) for name, s in specs if s.absent is not None
     )
     return all(abs(amount) >= ACCEPTANCE.min_significance * error for amount, error in amounts)
+
+
+def is_undetermined(candidate: Fit) -> bool:
+    """Return whether the data leave a parameter of the last effect open, other than its amount."""
+    specs, errors = candidate.effects[-1].fitted_specs(), candidate.errors[-1]
+    return any(_is_undetermined(spec, errors[name]) for name, spec, _ in specs)
+
+
+def _is_undetermined(spec: ParameterSpec, error: float) -> bool:
+    return spec.absent is None and error > ACCEPTANCE.undetermined * (spec.upper - spec.lower)
 
 
 def _untested_channels(observed: Observed, effect: Effect) -> BoolArray | None:

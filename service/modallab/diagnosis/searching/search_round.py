@@ -15,7 +15,7 @@ from modallab.diagnosis.fitting.fit import Fit, fit, with_optional_parameters
 from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.searching.acceptance import is_noise_only, ranked_by_bic
+from modallab.diagnosis.searching.acceptance import is_noise_only, is_undetermined, ranked_by_bic
 from modallab.diagnosis.searching.narrower_errors import with_narrower_errors
 from modallab.diagnosis.searching.neighbouring_places import neighbouring_effects
 from modallab.diagnosis.searching.scanning import StartingPoint, scan
@@ -205,12 +205,16 @@ class _Round:
         return min((f for f in self.fits if f.effects[-1].kind == kind), key=_bic)
 
     def fit_limiting_effects(self) -> None:
-        """Fit what the best effect tends to, from there: a fit from the scan may have ended elsewhere."""
+        """Fit what the best effect tends to, from there: a fit from the scan may have ended elsewhere.
+
+        Where the data do not determine how near it is to such a limit, the limit stands for it.
+        """
         if not self.fits:
             return
         best = min(self.fits, key=_bic)
+        limits = best.effects[-1].limiting_effects()
         predictor = self._predictor.with_nuisances_at(best.nuisance_position)
-        for effect in best.effects[-1].limiting_effects():
+        for effect in limits:
             name = kind_and_place(effect)
             if name not in self._suspected:
                 continue
@@ -221,6 +225,10 @@ class _Round:
                 if all(found.chi_square < f.chi_square for f in known):
                     self._fitted.add(name)
                     self.fits = [found, *(f for f in self.fits if f not in known)]
+        names, same = {kind_and_place(effect) for effect in limits}, (1 + ROUND.same_cost) * best.chi_square
+        alike = any(kind_and_place(f.effects[-1]) in names and f.chi_square < same for f in self.fits)
+        if alike and is_undetermined(best):
+            self.fits.remove(best)
 
     def fit_reduced_model(self) -> None:
         """Fit the reduced model of the best effect, which may not have been among the best."""

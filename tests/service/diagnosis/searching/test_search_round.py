@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 import modallab.diagnosis.searching.search_round as module
@@ -11,6 +12,7 @@ from modallab.core.dof import Dof
 from modallab.core.place import Members
 from modallab.core.progress import silent
 from modallab.diagnosis.fitting.coarse_fit import coarse_fit
+from modallab.diagnosis.fitting.covariance import ParameterErrors
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.prediction_budget import PredictionBudget
 from modallab.diagnosis.predicting.predictor import Predictor
@@ -188,3 +190,26 @@ def test_what_the_best_effect_tends_to_is_fitted_from_there(monkeypatch: pytest.
     assert best.effects[-1].kind == hidden.kind
     error = best.errors[-1]["stiffness"]
     assert abs(best.effects[-1].parameters["stiffness"] - 2e5) < 4 * error  # four standard errors
+
+
+@pytest.mark.parametrize(("error", "kind"), [(5e5, "extra_mass"), (1e3, "attached_oscillator")])
+def test_an_oscillator_of_undetermined_frequency_stands_for_no_more_than_its_mass(
+    error: float, kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Beside a model that is a little wrong its further parameters absorb what is none of theirs."""
+    at = Dof(5, "Y")
+    predictor, _ = predicting(draw_measurement(rig(), [ExtraMass(at, 0.1)]))
+    starts = [StartingPoint(AttachedOscillator(at, 0.1, 9e5), 0.03)]
+
+    def absorbing_fit(predictor: Predictor, effects: Sequence[Effect], **options: Any) -> Fit:
+        found = fit(predictor, effects, **options)
+        if found.effects[-1].kind == "extra_mass":
+            return found
+        errors = ParameterErrors(({**found.errors[-1], "frequency": error},), np.zeros((0, 0)), {})
+        return replace(found, chi_square=0.992 * found.chi_square, compute_errors=lambda: errors)
+
+    monkeypatch.setattr(module, "scan", lambda *_: starts)
+    monkeypatch.setattr(module, "fit", absorbing_fit)
+    suspects = Suspects([AttachedOscillator(at), ExtraMass(at)])
+    best, *_ = fit_candidates(predictor, fit(predictor, ()), suspects, progress=silent)
+    assert best.effects[-1].kind == kind
