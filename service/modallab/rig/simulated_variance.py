@@ -15,6 +15,7 @@ from modallab.estimation.coherence import coherence
 from modallab.estimation.estimators.h1 import h1
 from modallab.estimation.partial_coherence import coherence_of_frfs
 from modallab.estimation.spectra import CrossSpectra
+from modallab.rig.added_noise import AddedNoise
 from modallab.rig.chain import Chain
 from modallab.rig.effect import Effect
 from modallab.rig.excitation import EXCITATIONS
@@ -45,7 +46,13 @@ class SimulatedVariance:
         self.n_simulated = 0  # tests that were gone through
 
     def factors(
-        self, chain: Chain, spectra: CrossSpectra, effects: Sequence[Effect], *, repeats: int | None = None
+        self,
+        chain: Chain,
+        spectra: CrossSpectra,
+        effects: Sequence[Effect],
+        *,
+        noise: AddedNoise | None = None,
+        repeats: int | None = None,
     ) -> VarianceFactors | None:
         """Return the variance factors of a chain with some effects; None if it cannot be simulated.
 
@@ -53,6 +60,8 @@ class SimulatedVariance:
         ----------
         spectra
             `expected_spectra(chain)`.
+        noise
+            Noise that the chain's log book leaves open.
         repeats
             Number of simulated tests; None: as the settings have it.
         """
@@ -66,7 +75,7 @@ class SimulatedVariance:
         if key not in self._known:
             self.n_simulated += repeats
             try:
-                self._known[key] = _settled_factors(chain, spectra, repeats)
+                self._known[key] = _settled_factors(chain, spectra, repeats, noise)
             except (DivergedError, InvalidInputError):  # too steep, or rings too long
                 self._known[key] = None
         return self._known[key]
@@ -78,15 +87,22 @@ def _octaves(effect: Effect) -> list[int]:
     return [int(size) for size in np.rint(SIMULATED_VARIANCE.values_per_octave * np.log2(values))]
 
 
-def _settled_factors(chain: Chain, spectra: CrossSpectra, repeats: int) -> VarianceFactors:
+def _settled_factors(
+    chain: Chain, spectra: CrossSpectra, repeats: int, noise: AddedNoise | None
+) -> VarianceFactors:
     settled = settled_chain(chain)
     if settled is chain:
-        return simulated_factors(chain, spectra, repeats)
-    return simulated_factors(settled, expected_spectra(settled), repeats)
+        return simulated_factors(chain, spectra, repeats, noise=noise)
+    return simulated_factors(settled, expected_spectra(settled), repeats, noise=noise)
 
 
 def simulated_factors(
-    chain: Chain, spectra: CrossSpectra, repeats: int = SIMULATED_VARIANCE.n_tests, seed: int = 0
+    chain: Chain,
+    spectra: CrossSpectra,
+    repeats: int = SIMULATED_VARIANCE.n_tests,
+    seed: int = 0,
+    *,
+    noise: AddedNoise | None = None,
 ) -> VarianceFactors:
     """Return the variance of spectra over that of averages of Gaussian records, from simulated tests.
 
@@ -104,6 +120,8 @@ def simulated_factors(
         `expected_spectra(chain)`.
     repeats
         Number of simulated tests.
+    noise
+        Noise that the chain's log book leaves open. Its own scatter is that of Gaussian records.
 
     Raises
     ------
@@ -121,8 +139,12 @@ def simulated_factors(
     if len(chain.runs) > 1:
         chain = _single_run(chain)
         single_run_spectra = expected_spectra(chain)
-        return _by_run(simulated_factors(chain, single_run_spectra, repeats, seed), spectra)
+        single_run_noise = None if noise is None else noise.in_single_run()
+        factors = simulated_factors(chain, single_run_spectra, repeats, seed, noise=single_run_noise)
+        return _by_run(factors, spectra)
     tests = _simulated_tests(chain, repeats, n, np.random.default_rng(seed))
+    if noise is not None:
+        spectra, *tests = (noise.added_to(each) for each in (spectra, *tests))
     effective = effective_averages(n, chain.overlap, chain.setup.analyser.line_window)
     share = effective / spectra.averages
     g2 = coherence(spectra)

@@ -9,6 +9,7 @@ from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.overload import Overload
 from modallab.fe.assembly import assemble
+from modallab.rig.added_noise import AddedNoise
 from modallab.rig.chain import chain
 from modallab.rig.effect import Effect
 from modallab.rig.expected import expected_spectra
@@ -68,3 +69,18 @@ def test_what_repeats_or_ends_within_the_record_has_no_bursts() -> None:
     assert is_intermittent([CUBIC], rig())
     assert not is_intermittent([ExtraMass(Dof(4, "Y"), 0.01)], rig())
     assert not is_intermittent([CUBIC], rig(kind="chirp"))
+
+
+@pytest.mark.parametrize("roving", [True, False], ids=["roving", "fixed"])
+def test_noise_that_the_log_book_leaves_open_hides_distortion_as_declared_noise_does(roving: bool) -> None:
+    """Without it a weak distortion, the sum of few bursts, is all that is incoherent at many lines."""
+    declared, open_noise = (
+        chain(assemble(model()), rig(roving=roving, noise=noise), [CUBIC]) for noise in (1e-3, 0.0)
+    )
+    noisy, clean = (expected_spectra(each) for each in (declared, open_noise))
+    known = simulated_factors(declared, noisy).response
+    added = simulated_factors(open_noise, clean, noise=AddedNoise.between(clean, noisy)).response
+    without = simulated_factors(open_noise, clean).response
+    # means of few tests, each a few bursts: 20 %; without noise several times as much
+    assert np.mean(np.log(added / known)) == pytest.approx(0.0, abs=0.2)
+    assert np.mean(np.log(without / known)) > 0.7

@@ -30,6 +30,7 @@ from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.modes import ModalBasis
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
+from modallab.rig.added_noise import AddedNoise
 from modallab.rig.chain import Chain, chain
 from modallab.rig.distortion import ResidualSpectra, residual_spectra
 from modallab.rig.effect import Effect
@@ -244,7 +245,7 @@ class SingleTestPredictor:
         if excitation.deterministic:
             factors = partial(periodic_factors, measuring_chain, at_level_of(expected, spectra))
         elif intermittent:
-            factors = partial(self._simulated_factors, measuring_chain, spectra, effects)
+            factors = partial(self._simulated_factors, measuring_chain, expected, effects)
         return Predicted.of(
             spectra,
             partial(correlated_excess_variance, measuring_chain, spectra) if leaking else None,
@@ -290,7 +291,11 @@ class SingleTestPredictor:
         repeats: int | None = None,
     ) -> VarianceFactors | None:
         n_before = self.simulated.n_simulated
-        factors = self.simulated.factors(measuring_chain, spectra, effects, repeats=repeats)
+        noise, levels = None, self.observed.free_levels
+        if levels.source or levels.noise:
+            noisy = at_level_of(spectra, self.observed.with_levels(spectra, self.lines))
+            noise = AddedNoise.between(spectra, noisy)
+        factors = self.simulated.factors(measuring_chain, spectra, effects, noise=noise, repeats=repeats)
         cost = PREDICTION.stepping_cost * len(measuring_chain.runs[0].local_forces)
         self.budget.spend(cost * (self.simulated.n_simulated - n_before))
         return factors
