@@ -8,6 +8,7 @@ from modallab.core.place import Channels
 from modallab.diagnosis.residuals.channel_noise import ChannelNoise
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.predicted import Predicted
+from modallab.diagnosis.residuals.settings import FREE_LEVELS
 from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.chain import Chain
 from modallab.rig.effect import Effect, is_nonlinear
@@ -96,8 +97,7 @@ class CoarseSpectra:
             Of a prediction like this one; runs in which effects do not differ from it are its own. While
             additions keep its linearisation, its nonlinear forces are without their distortion.
         """
-        start = None if base is None else base.noise
-        return Predicted.of(self.observed.with_levels(self._spectra(effects, base), start=start))
+        return self._predicted(self._spectra(effects, base), None if base is None else base.noise)
 
     def predict_each(self, additions: Sequence[Effect], base: CoarseBase) -> list[Predicted]:
         """Return the expected spectra of the effects of a base with each of some additions.
@@ -112,8 +112,12 @@ class CoarseSpectra:
             together = self._spectra([*base.effects, *(additions[i] for i in batch)], base)
             for i, runs in batch.items():
                 own = together if runs is None else base.spectra.with_runs(runs, together.of_runs(runs))
-                predicted[i] = Predicted.of(self.observed.with_levels(own, start=base.noise))
+                predicted[i] = self._predicted(own, base.noise)
         return [predicted[i] for i in range(len(additions))]
+
+    def _predicted(self, spectra: CrossSpectra, noise: ChannelNoise | None) -> Predicted:
+        step = FREE_LEVELS.coarse_step
+        return Predicted.of(self.observed.with_levels(spectra, start=noise, last_step=step))
 
     def _spectra(self, effects: Sequence[Effect], base: CoarseBase | None = None) -> CrossSpectra:
         runs = None

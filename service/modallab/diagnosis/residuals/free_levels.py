@@ -16,6 +16,7 @@ from modallab.diagnosis.residuals.channel_noise import ChannelNoise, NoiseData
 from modallab.diagnosis.residuals.h1_bias import share_of_bias
 from modallab.diagnosis.residuals.noise_fit import fit_channel_noise
 from modallab.diagnosis.residuals.noise_reference import ExpectedForceNoise, IncoherentSpectra
+from modallab.diagnosis.residuals.settings import FREE_LEVELS
 from modallab.diagnosis.residuals.source_power import force_spectra
 from modallab.estimation.coherence import incoherent_ratio
 from modallab.estimation.spectra import CrossSpectra
@@ -78,6 +79,7 @@ class FreeLevels:
         lines: IntArray | None = None,
         *,
         start: ChannelNoise | None = None,
+        last_step: float = FREE_LEVELS.last_step,
     ) -> CrossSpectra:
         """Return expected spectra with the levels that fit the measured ones best.
 
@@ -89,13 +91,15 @@ class FreeLevels:
             (n,) indices of the measured lines among those of the spectra; None: all.
         start
             Noise of a prediction very much like this one, if it is known.
+        last_step
+            As in `fit_channel_noise`.
         """
         if self.expected_force_noise is not None:
             return self._with_force_noise(spectra, self.expected_force_noise, observed, lines)
         if not (self.source or self.noise):
             return spectra
         spectra = self.with_source(spectra, observed, lines)
-        levels = self.fitted_noise(spectra, observed, lines, start=start)
+        levels = self.fitted_noise(spectra, observed, lines, start=start, last_step=last_step)
         return spectra if levels is None else self._with_noise(spectra, levels, observed, lines)
 
     def with_source(
@@ -112,6 +116,7 @@ class FreeLevels:
         lines: IntArray | None = None,
         *,
         start: ChannelNoise | None = None,
+        last_step: float = FREE_LEVELS.last_step,
     ) -> ChannelNoise | None:
         """Return the noise levels that fit the measured incoherent spectra best.
 
@@ -119,7 +124,7 @@ class FreeLevels:
 
         Parameters
         ----------
-        spectra, lines, start
+        spectra, lines, start, last_step
             As in `fitted`, with the level of the source.
         """
         if not self.noise:
@@ -145,6 +150,7 @@ class FreeLevels:
             force_noise=self.force_noise,
             response_noise=self.response_noise,
             start=start,
+            last_step=last_step,
         )
 
     def _with_noise(

@@ -52,8 +52,9 @@ class NoiseCost:
             force = np.maximum(force, self._force_floor)
         if self._free[1]:
             known = near.response if near is not None and alike else None
-            low = np.log(_low(data.measured, used))
-            response = np.maximum(np.tile(low, (n, 1)) if known is None else known, self._response_floor)
+            if known is None:
+                known = np.tile(np.log(_low(data.measured, used)), (n, 1))
+            response = np.maximum(known, self._response_floor)
         return force, response
 
     def moved(self, position: Coefficients, steps: Coefficients, size: float) -> Coefficients:
@@ -75,8 +76,9 @@ class NoiseCost:
     def steps(self, position: Coefficients) -> tuple[float, Coefficients]:
         """Return the cost, and the steps of the coefficients of force (n,) and responses (n, n_out).
 
-        Gauss-Newton steps lead from any start to nearly the same minimum, but converge linearly where misfits
-        are large. Newton steps replace them where they are short and the curvature is positive definite.
+        Newton steps where they are short and the curvature is positive definite. Elsewhere Gauss-Newton
+        steps, which lead from any start to nearly the same minimum, but converge linearly where misfits are
+        large.
         """
         data, functions = self._data, self._functions
         with_force = self._free[0] or self._known_force is not None
@@ -95,11 +97,11 @@ class NoiseCost:
             by_force=(of_forces * share).sum(axis=2) / expected,
             by_force_twice=(of_forces * share * (2 * share - 1)).sum(axis=2) / expected,
         )
-        step = self._newton_step(position, derivatives, second_order=False)
-        if max(float(np.abs(part).max(initial=0.0)) for part in step) < FREE_LEVELS.short_step:
-            with suppress(np.linalg.LinAlgError):
-                step = self._newton_step(position, derivatives, second_order=True)
-        return cost, step
+        with suppress(np.linalg.LinAlgError):
+            step = self._newton_step(position, derivatives, second_order=True)
+            if longest(step) < FREE_LEVELS.short_step:
+                return cost, step
+        return cost, self._newton_step(position, derivatives, second_order=False)
 
     def _newton_step(self, position: Coefficients, by: "_Derivatives", *, second_order: bool) -> Coefficients:
         """Return a Newton step of the coefficients, or a Gauss-Newton step without second derivatives.
@@ -175,6 +177,11 @@ class _Derivatives:
     """First and second ones alike: a spectrum is linear in the noise of its response."""
     by_force: FloatArray
     by_force_twice: FloatArray
+
+
+def longest(steps: Coefficients) -> float:
+    """Return the largest magnitude among steps."""
+    return max(float(np.abs(part).max(initial=0.0)) for part in steps)
 
 
 def _with_fixed(curvature: FloatArray, fixed: BoolArray) -> FloatArray:

@@ -4,12 +4,17 @@ import numpy as np
 
 from modallab.core.arrays import BoolArray, FloatArray
 from modallab.diagnosis.residuals.channel_noise import ChannelNoise, NoiseData
-from modallab.diagnosis.residuals.noise_cost import NoiseCost
+from modallab.diagnosis.residuals.noise_cost import NoiseCost, longest
 from modallab.diagnosis.residuals.settings import FREE_LEVELS
 
 
 def fit_channel_noise(
-    data: NoiseData, *, force_noise: bool, response_noise: bool, start: ChannelNoise | None = None
+    data: NoiseData,
+    *,
+    force_noise: bool,
+    response_noise: bool,
+    start: ChannelNoise | None = None,
+    last_step: float = FREE_LEVELS.last_step,
 ) -> ChannelNoise:
     """Return the noise that fits incoherent spectra best, by penalised least squares of their logarithms.
 
@@ -22,23 +27,26 @@ def fit_channel_noise(
     ----------
     start
         Noise of a prediction very much like this one; None: the start is found in the spectra.
+    last_step
+        Largest step of a coefficient that ends the fit.
     """
     informative = np.asarray(data.fitted.any(axis=0))
     if not force_noise or informative.all() or not informative.any():
-        return _levels(data, start, None, force_noise=force_noise, response_noise=response_noise)
+        free = (force_noise, response_noise)
+        return _levels(data, start, None, free=free, last_step=last_step)
     first = _levels(
         data.of_channels(informative),
         _of(start, informative),
         None,
-        force_noise=True,
-        response_noise=response_noise,
+        free=(True, response_noise),
+        last_step=last_step,
     )
     others = _levels(
         data.of_channels(~informative),
         _of(start, ~informative),
         first.force,
-        force_noise=False,
-        response_noise=response_noise,
+        free=(False, response_noise),
+        last_step=last_step,
     )
     response = None
     if first.response is not None and others.response is not None:
@@ -58,8 +66,8 @@ def _levels(
     start: ChannelNoise | None,
     known_force: FloatArray | None,
     *,
-    force_noise: bool,
-    response_noise: bool,
+    free: tuple[bool, bool],
+    last_step: float,
 ) -> ChannelNoise:
     """Return the noise of channels by damped Newton steps of all coefficients.
 
@@ -67,14 +75,17 @@ def _levels(
     ----------
     known_force
         (n,) coefficients of the noise of the force where it is known; None: it has none, or is free.
+    free
+        Whether the noise of the force, and that of the responses, is free.
+    last_step
+        As in `fit_channel_noise`.
     """
-    fit = NoiseCost(data, known_force, free=(force_noise, response_noise))
+    fit = NoiseCost(data, known_force, free)
     position = fit.start(start)
     cost, steps = fit.steps(position)
     for _ in range(FREE_LEVELS.max_iterations):
         of_force, of_responses = (step.clip(-FREE_LEVELS.max_step, FREE_LEVELS.max_step) for step in steps)
-        longest = max(float(np.abs(step).max(initial=0.0)) for step in (of_force, of_responses))
-        last = longest < FREE_LEVELS.last_step
+        last = longest((of_force, of_responses)) < last_step
         size = 1.0
         while True:
             new = fit.moved(position, (of_force, of_responses), size)

@@ -11,7 +11,7 @@ from modallab.diagnosis.residuals.channel_noise import ChannelNoise
 from modallab.diagnosis.residuals.decorrelation import Decorrelation
 from modallab.diagnosis.residuals.free_levels import ALL_DECLARED, FreeLevels
 from modallab.diagnosis.residuals.predicted import Predicted, VarianceRatios
-from modallab.diagnosis.residuals.settings import RANDOM_ERROR
+from modallab.diagnosis.residuals.settings import FREE_LEVELS, RANDOM_ERROR
 from modallab.diagnosis.residuals.source_power import SourcePower
 from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.frf_channel import FrfChannel, force_numbers
@@ -128,7 +128,12 @@ class Observed:
         return SourcePower.of(self)
 
     def with_levels(
-        self, spectra: CrossSpectra, lines: IntArray | None = None, *, start: ChannelNoise | None = None
+        self,
+        spectra: CrossSpectra,
+        lines: IntArray | None = None,
+        *,
+        start: ChannelNoise | None = None,
+        last_step: float = FREE_LEVELS.last_step,
     ) -> CrossSpectra:
         """Return expected spectra with the levels that the log book leaves open, fitted to the measured ones.
 
@@ -138,8 +143,10 @@ class Observed:
             (n,) indices of the measured lines among those of the spectra; None: all.
         start
             Noise of a prediction very much like this one, if it is known.
+        last_step
+            As in `fit_channel_noise`.
         """
-        return self.free_levels.fitted(spectra, self, lines, start=start)
+        return self.free_levels.fitted(spectra, self, lines, start=start, last_step=last_step)
 
     def channel_noise(self, spectra: CrossSpectra) -> ChannelNoise | None:
         """Return the noise that the log book leaves open, fitted beside expected spectra; None without it."""

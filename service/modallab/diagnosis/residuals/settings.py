@@ -230,11 +230,18 @@ class FreeLevelSettings(Settings):
     max_step: float = setting(3.0, doc="largest step of a logarithm", derived="only the cost depends on it")
     short_step: float = setting(
         1.0,
-        doc="largest Gauss-Newton step of a logarithm below which a Newton step replaces it",
+        doc="largest Newton step of a logarithm, above which a Gauss-Newton step replaces it",
         derived="a factor of e: only the cost depends on it",
     )
     last_step: float = setting(
-        1e-6, doc="largest step of a logarithm that ends a fit", derived="1e-5 of the random error of a level"
+        1e-4,
+        doc="largest step of a logarithm that ends a fit",
+        derived="its square, the error after a Newton step, is small beside differences of 1e-4",
+    )
+    coarse_step: float = setting(
+        0.1,
+        doc="the same of a coarse prediction",
+        derived="its square is a tenth of the random error of a line",
     )
     least_share: float = setting(
         1e-3, doc="least share of a step that is tried", derived="only the cost depends on it"
