@@ -75,11 +75,13 @@ def serve(**options: Any) -> None:
     import uvicorn
 
     from modallab.api import logs
+    from modallab.api.allocator import share_arenas
     from modallab.api.app import create_app
     from modallab.api.offloading.processes import RequestProcesses
     from modallab_cli.starting import lock_of
 
     logs.configure()
+    share_arenas()
     lock = lock_of(settings.data) if settings.embedded else None
     if settings.embedded:
         _prepare(settings)

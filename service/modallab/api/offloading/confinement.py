@@ -1,13 +1,12 @@
 """Limits of a worker process while it answers a request: its memory and time, and where its files are."""
 
-import ctypes
 import os
 import sys
 import tempfile
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import NoReturn
 
@@ -16,16 +15,6 @@ import psutil
 from modallab.api.offloading.settings import OFFLOADING
 
 OUT_OF_TIME = "time"  # file that says why the process ended
-_MMAP_THRESHOLD = -3  # of malloc.h
-
-
-def return_memory_at_once() -> None:
-    """Have large blocks returned to the system when they are freed, where the C library can.
-
-    By default it keeps blocks of up to 32 MB, and a process seems to grow with each factorisation.
-    """
-    with suppress(AttributeError, OSError, TypeError):
-        ctypes.CDLL(None).mallopt(_MMAP_THRESHOLD, OFFLOADING.chunk_bytes)
 
 
 @contextmanager

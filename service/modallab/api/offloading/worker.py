@@ -10,7 +10,8 @@ import anyio
 import structlog
 from starlette.types import ASGIApp, Message
 
-from modallab.api.offloading.confinement import confined, die, return_memory_at_once
+from modallab.api.allocator import return_memory_at_once
+from modallab.api.offloading.confinement import confined, die
 from modallab.api.offloading.forwarding import BODY, REPLY, Answered, Forwarded
 from modallab.api.offloading.settings import OFFLOADING
 from modallab.api.settings import ServiceSettings
