@@ -309,6 +309,7 @@ def test_a_diagnosis_reads_as_it_is_written_in_the_contract(lab: ModalLab, servi
 
 def test_the_catalogue_lists_what_can_be_chosen(lab: ModalLab, service: FakeService) -> None:
     mass = {"kind": "parameter", "unit": "kg", "lower": 0, "upper": 1.0, "absent": 0.0, "doc": "mass"}
+    mass |= {"chosen": False}
     entry = {"kind": "extra_mass", "summary": "s", "parameters": {"mass": mass}}
     effect, method = (completed(CatalogueEntry, given) for given in (entry, {"kind": "dobson"}))
     service.on("GET /v1/catalog/effects", httpx.Response(200, json=[effect]))

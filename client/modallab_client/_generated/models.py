@@ -226,6 +226,8 @@ class ParameterSpec:
     """Value at which the effect vanishes; null where another parameter gives its size."""
     alternative: float | None
     """Value that a diagnosis tries beside the default, of a choice that no fit varies; null of others."""
+    chosen: bool
+    """Whether it is a choice that no fit varies, among values that depend on the structure."""
     doc: str
     """Meaning, in one line."""
     kind: Literal["parameter"]

@@ -28,6 +28,8 @@ class ParameterSpec:
     """Initial value of a fit, of one that keeps its default unless the data ask for more; None of others."""
     alternative: float | None = None
     """Value that a diagnosis tries beside the default, of a choice that no fit varies; None of others."""
+    chosen: bool = False
+    """Whether it is a choice that no fit varies, among values that depend on the structure."""
 
     @property
     def signed(self) -> bool:
@@ -46,9 +48,10 @@ def parameter(
     scan_values: tuple[float, ...] = (),
     optional_start: float | None = None,
     alternative: float | None = None,
+    chosen: bool = False,
 ) -> Any:
     """Declare a dataclass field that may be fitted; unit and bounds live here only."""
-    spec = ParameterSpec(unit, lower, upper, absent, doc, scan_values, optional_start, alternative)
+    spec = ParameterSpec(unit, lower, upper, absent, doc, scan_values, optional_start, alternative, chosen)
     return field(default=default, metadata={"spec": spec})
 
 

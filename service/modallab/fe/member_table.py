@@ -151,13 +151,18 @@ class MemberTable:
         ends = self.points[np.array(joined, bool)]
         return np.asarray(np.hypot(*(ends[:, 1] - ends[:, 0]).T))
 
-    def end_at(self, node: int) -> tuple[int, int]:
+    def end_at(self, node: int, member: int | None = None) -> tuple[int, int]:
         """Return the number of the member released by a joint at a node, and its end; see `released_end`.
+
+        Parameters
+        ----------
+        member
+            Number of the member; None: the first one that ends at the node.
 
         Raises
         ------
         InvalidInputError
-            If fewer than two members meet at the node.
+            If fewer than two members meet at the node, or the member is none of them.
         """
         if node not in self.joints:
             raise InvalidInputError(
@@ -166,7 +171,24 @@ class MemberTable:
                 value=node,
                 allowed=list(self.joints),
             )
-        return released_end(self.numbers, self.ends, self.bars, node)
+        if member is None:
+            return released_end(self.numbers, self.ends, self.bars, node)
+        if member not in (meeting := self.bars_at(node)):
+            raise InvalidInputError(
+                f"member {member} does not end at node {node}",
+                field="member",
+                value=member,
+                allowed=list(meeting),
+            )
+        return member, self.ends[self.position(member)].index(node)
+
+    def bars_at(self, node: int) -> tuple[int, ...]:
+        """Return the numbers of the bars that end at a node, that of a joint without a number first."""
+        at_node = (
+            n for n, pair, bar in zip(self.numbers, self.ends, self.bars, strict=True) if bar and node in pair
+        )
+        first, _ = released_end(self.numbers, self.ends, self.bars, node)
+        return (first, *(n for n in at_node if n != first))
 
     def end_stiffness(self, node: int) -> float:
         """Return the rotational stiffness, N m/rad, of the member end released by a joint at a node."""

@@ -50,22 +50,26 @@ class DynamicSystem(AttachedSystem):
         """
         return self.alter(number, Alteration(1 + mass, 1 + axial, 1 + bending))
 
-    def add_joint(self, node: int, flexibility: float, consistent_mass: float = 1.0) -> "DynamicSystem":
+    def add_joint(
+        self, node: int, flexibility: float, consistent_mass: float = 1.0, member: int | None = None
+    ) -> "DynamicSystem":
         """Return the system with a rotational spring, rad/(N m), between two sides of a node.
 
-        On one side is the first member that ends at the node, on the other side all others.
+        On one side is a member, on the other side all others.
 
         Parameters
         ----------
         consistent_mass
             Share of the kink that the member's mass matrix has; 0 leaves it unchanged.
+        member
+            Number of the member; None: the first one that ends at the node.
 
         Raises
         ------
         InvalidInputError
-            If fewer than two members meet at the node.
+            If fewer than two members meet at the node, or the member is none of them.
         """
-        number, end = self._member_table.end_at(node)
+        number, end = self._member_table.end_at(node, member)
         joints = (0.0, flexibility) if end else (flexibility, 0.0)
         return self.alter(number, Alteration(joints=joints, consistent_mass=consistent_mass))
 

@@ -181,26 +181,25 @@ class Effect(Parameterised):
     def fitted_specs(self) -> list[tuple[str, ParameterSpec, float]]:
         """Return name, specification and default of each parameter that a fit varies.
 
-        An optional one that has its default keeps it; a choice between two values is not varied.
+        An optional one that has its default keeps it; a choice is not varied.
         """
         defaults = type(self)().parameters
         return [
             (name, spec, defaults[name])
             for name, spec in self.specs().items()
             if spec.alternative is None
+            and not spec.chosen
             and (spec.optional_start is None or self.parameters[name] != defaults[name])
         ]
 
-    def with_optional_parameters(self) -> Self:
-        """Return the effect with its optional parameters at the start of a fit, and the other choices.
-
-        Itself without any.
-        """
+    def variants(self, system: DynamicSystem) -> tuple[Self, ...]:
+        """Return the effect with its optional parameters at the start of a fit, and with other choices."""
         values = {
             name: spec.optional_start if spec.alternative is None else spec.alternative
             for name, spec in self.specs().items()
         }
-        return self.with_parameters({name: value for name, value in values.items() if value is not None})
+        extended = self.with_parameters({name: value for name, value in values.items() if value is not None})
+        return () if extended == self else (extended,)
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:

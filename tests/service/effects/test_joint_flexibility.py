@@ -11,6 +11,7 @@ from modallab.core.errors import InvalidInputError
 from modallab.effects.joint_flexibility import JointFlexibility
 from modallab.fe.assembly import assemble
 from modallab.fe.beam import beam
+from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.structure import Support
 from modallab.fe.system import DynamicSystem
 from modallab.rig.setup import AcquisitionRun
@@ -116,13 +117,32 @@ def test_both_mass_matrices_are_those_of_a_crack_in_a_fine_mesh() -> None:
     np.testing.assert_allclose(frequencies, exactly(LENGTH / 2, flexibility), rtol=2e-2)
 
 
-def test_a_diagnosis_tries_a_member_with_its_mass_matrix_unchanged_as_well() -> None:
-    crack = JointFlexibility(Dof(6, "RZ"), 1e-4)
-    other = crack.with_optional_parameters()
-    assert other == JointFlexibility(Dof(6, "RZ"), 1e-4, consistent_mass=0.0)
+def test_a_diagnosis_tries_either_member_with_its_mass_matrix_unchanged_as_well() -> None:
+    at = Dof(6, "RZ")
+    crack = JointFlexibility(at, 1e-4)
+    other, second = crack.variants(beam_system())
+    assert other == JointFlexibility(at, 1e-4, consistent_mass=0.0)
+    assert second == JointFlexibility(at, 1e-4, consistent_mass=0.0, member=6)
+    assert crack in other.variants(beam_system())
     assert [name for name, *_ in other.fitted_specs()] == ["flexibility"]
     assert other.added_to(PINNED).effects == (other.spec,)  # a spring of the model has the kinked shape
     assert len(crack.added_to(PINNED).joints) == 1
+
+
+def test_of_three_members_each_may_be_loose_with_either_mass_matrix() -> None:
+    system = assemble(STRUCTURES["bay"]())
+    assert system.members is not None
+    node = next(n for n in system.members.joints if len(system.members.bars_at(n)) == 3)
+    joint = JointFlexibility(Dof(node, "RZ"))
+    choices = {(effect.member, effect.consistent_mass) for effect in (joint, *joint.variants(system))}
+    _, second, third = system.members.bars_at(node)
+    assert choices == {(number, mass) for number in (0, second, third) for mass in (0.0, 1.0)}
+
+
+def test_a_member_elsewhere_is_none_of_the_joint() -> None:
+    with pytest.raises(InvalidInputError, match="member 3") as caught:
+        JointFlexibility(Dof(6, "RZ"), member=3).check(steel_beam())
+    assert caught.value.context["allowed"] == [0, 5, 6]
 
 
 @pytest.mark.parametrize("at", [Dof(1, "RZ"), Dof(21, "RZ"), Dof(5, "Y")])

@@ -169,7 +169,7 @@ def test_a_stinger_on_the_other_side_leans_the_other_way() -> None:
 
 def test_without_coupling_it_is_two_springs_apart() -> None:
     system, drive = assemble(plane_beam()), Dof(5, "Y")
-    apart = StingerBending(stiffness=50.0, length=0.1).with_optional_parameters()
+    (apart,) = StingerBending(stiffness=50.0, length=0.1).variants(system)
     assert [name for name, *_ in apart.fitted_specs()] == ["stiffness", "length"]
     springs = system.add_spring(Dof(5, "RZ"), 50.0).add_spring(Dof(5, "X"), 3 * 50.0 / 0.1**2)
     held = apart.on_system(system, AcquisitionRun((drive,), (drive,)))

@@ -69,8 +69,13 @@ def test_a_joint_is_a_node_with_two_rotations_and_a_spring_between(
         flexibility *= 1e-6  # its members are a million times stiffer
     system = assemble(structure)
     assert system.members is not None
-    member, end = system.members.end_at(node)
-    near(response(system.add_joint(node, flexibility)), doubled(structure, member, end, flexibility))
+    first, *others = system.members.bars_at(node)
+    _, end = system.members.end_at(node)
+    near(response(system.add_joint(node, flexibility)), doubled(structure, first, end, flexibility))
+    for member in others:
+        found = response(system.add_joint(node, flexibility, member=member))
+        _, end = system.members.end_at(node, member)
+        near(found, doubled(structure, member, end, flexibility))
 
 
 def test_a_joint_grows_from_nothing_without_a_step() -> None:
@@ -167,6 +172,17 @@ def test_members_of_a_frame_shear_in_their_own_axes(name: str) -> None:
     np.testing.assert_allclose(
         wanted.sheared(0.7).stiffness.toarray(), wanted.stiffness.toarray(), rtol=1e-15
     )
+
+
+def test_of_two_members_the_joint_is_at_the_end_of_either() -> None:
+    system = assemble(BEAM)
+    near(response(system.add_joint(7, 1e-4, member=7)), response(system.add_joint(7, 1e-4)))
+
+
+def test_a_joint_is_at_the_end_of_a_member_that_is_there() -> None:
+    with pytest.raises(InvalidInputError, match="member 3") as caught:
+        assemble(BEAM).add_joint(7, 1e-3, member=3)
+    assert caught.value.context["allowed"] == [6, 7]
 
 
 def test_a_joint_needs_two_members() -> None:

@@ -161,7 +161,7 @@ def _normalisation(plain: Predictor, wide: Predictor) -> float:
 
 
 def with_optional_parameters(predictor: Predictor, candidate: Fit, near: Fit) -> Fit:
-    """Return a fit with the optional parameters of its last effect too, if they are worth it by BIC.
+    """Return a fit with the optional parameters and other choices of its last effect, if BIC is lower.
 
     Parameters
     ----------
@@ -171,10 +171,8 @@ def with_optional_parameters(predictor: Predictor, candidate: Fit, near: Fit) ->
     if not candidate.effects:
         return candidate
     *others, effect = candidate.effects
-    extended = effect.with_optional_parameters()
-    if extended == effect:
-        return candidate
-    return min(candidate, fit(predictor, (*others, extended), near=near), key=lambda found: found.bic)
+    variants = (fit(predictor, (*others, each), near=near) for each in effect.variants(predictor.system))
+    return min((candidate, *variants), key=lambda found: found.bic)
 
 
 def _differ(start: Sequence[Effect], final: Sequence[Effect]) -> bool:

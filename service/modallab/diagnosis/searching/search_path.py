@@ -63,10 +63,10 @@ def with_optional_parameters_of_all(predictor: Predictor, path: SearchPath) -> S
     best = path.fit
     predictor = predictor.with_nuisances_at(best.nuisance_position)
     for i in range(len(best.effects) - 1):
-        effects = list(best.effects)
-        effects[i] = effects[i].with_optional_parameters()
-        if effects[i] != best.effects[i]:
-            best = min(best, fit(predictor, effects, near=path.start), key=lambda found: found.bic)
+        before, after = best.effects[:i], best.effects[i + 1 :]
+        for variant in best.effects[i].variants(predictor.system):
+            extended = fit(predictor, (*before, variant, *after), near=path.start)
+            best = min(best, extended, key=lambda found: found.bic)
     return replace(path, steps=(*path.steps[:-1], replace(path.steps[-1], fit=best)))
 
 

@@ -1,9 +1,10 @@
 import numpy as np
+import pytest
 
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members
 from modallab.diagnosis.fitting.coarse_fit import coarse_fit
-from modallab.diagnosis.fitting.fit import fit
+from modallab.diagnosis.fitting.fit import fit, with_optional_parameters
 from modallab.diagnosis.optimisation.nuisance_parameters import nuisance_parameters
 from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.effects.accelerometer_mass import AccelerometerMass
@@ -194,3 +195,15 @@ def test_an_effect_at_one_of_many_places_pays_for_the_choice() -> None:
     assert np.isclose(everywhere.penalty_between_kinds, mass.penalty_between_kinds - cost, rtol=1e-12)
     pair = fit(predictor, [StiffnessError(at=Members((k,)), factor=1.1) for k in (3, 8)])
     assert np.isclose(pair.penalty, 2 * somewhere.penalty, rtol=1e-12)
+
+
+def test_of_the_members_at_a_node_the_cracked_one_is_found() -> None:
+    """A crack as other finite elements have it: the mass matrix of the cracked member is unchanged."""
+    crack = JointFlexibility(Dof(5, "RZ"), 1e-4, consistent_mass=0.0, member=5)
+    predictor, _ = predicting(draw_measurement(rig(), [crack]))
+    bare = fit(predictor, ())
+    start = fit(predictor, (JointFlexibility(crack.at, 1e-4),))
+    (found,) = with_optional_parameters(predictor, start, bare).effects
+    assert isinstance(found, JointFlexibility)
+    assert (found.member, found.consistent_mass) == (5, 0)
+    assert found.flexibility == pytest.approx(crack.flexibility, rel=1e-3)  # noise of 1e-4

@@ -4,6 +4,8 @@ import pytest
 
 from modallab.diagnosis.optimisation.fit_parameters import ParameterVector
 from modallab.effects.mains_hum import MainsHum
+from modallab.fe.assembly import assemble
+from tests.diagnosing import model
 
 
 def names(effect: MainsHum) -> list[str]:
@@ -13,7 +15,8 @@ def names(effect: MainsHum) -> list[str]:
 def test_an_optional_parameter_is_varied_where_it_has_left_its_default() -> None:
     assert names(MainsHum()) == ["ratio", "frequency"]
     assert names(MainsHum(third_harmonic=0.5)) == ["ratio", "frequency", "third_harmonic"]
-    assert names(MainsHum().with_optional_parameters()) == [
+    (extended,) = MainsHum().variants(assemble(model()))
+    assert names(extended) == [
         "ratio",
         "frequency",
         "second_harmonic",
