@@ -33,9 +33,9 @@ def share_of_bias(spectra: CrossSpectra, noise_ratio: FloatArray, observed: "Obs
         (n_run, n_freq, n_in), noise over the spectrum of each force.
     """
     h = h1(spectra)
-    ratio = frfs_side_by_side(np.broadcast_to(noise_ratio[:, :, None], h.shape))
     measured, expected = np.abs(observed.h), np.abs(frfs_side_by_side(h))
     used = observed.fitted & (measured > 0) & (expected > 0)
+    ratio = np.where(used, frfs_side_by_side(np.broadcast_to(noise_ratio[:, :, None], h.shape)), 0.0)
     difference = np.log(np.where(used, measured, 1.0) / np.where(used, expected, 1.0)) - observed.bias
     # Where random errors are large a logarithm is biased itself.
     weight = used * logarithm_weight(observed.error) / observed.error**2

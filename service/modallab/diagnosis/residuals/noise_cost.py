@@ -99,7 +99,7 @@ class NoiseCost:
         )
         with suppress(np.linalg.LinAlgError):
             step = self._newton_step(position, derivatives, second_order=True)
-            if longest(step) < FREE_LEVELS.short_step:
+            if longest_step(step) < FREE_LEVELS.short_step:
                 return cost, step
         return cost, self._newton_step(position, derivatives, second_order=False)
 
@@ -179,7 +179,7 @@ class _Derivatives:
     by_force_twice: FloatArray
 
 
-def longest(steps: Coefficients) -> float:
+def longest_step(steps: Coefficients) -> float:
     """Return the largest magnitude among steps."""
     return max(float(np.abs(part).max(initial=0.0)) for part in steps)
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from modallab.core.arrays import BoolArray, FloatArray
 from modallab.diagnosis.residuals.channel_noise import ChannelNoise, NoiseData
-from modallab.diagnosis.residuals.noise_cost import NoiseCost, longest
+from modallab.diagnosis.residuals.noise_cost import NoiseCost, longest_step
 from modallab.diagnosis.residuals.settings import FREE_LEVELS
 
 
@@ -85,7 +85,7 @@ def _levels(
     cost, steps = fit.steps(position)
     for _ in range(FREE_LEVELS.max_iterations):
         of_force, of_responses = (step.clip(-FREE_LEVELS.max_step, FREE_LEVELS.max_step) for step in steps)
-        last = longest((of_force, of_responses)) < last_step
+        last = longest_step((of_force, of_responses)) < last_step
         size = 1.0
         while True:
             new = fit.moved(position, (of_force, of_responses), size)

@@ -10,11 +10,13 @@ from modallab.core.place import Members
 from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.free_levels import ALL_DECLARED
+from modallab.diagnosis.residuals.h1_bias import share_of_bias
 from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.result import Verdict
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.stiffness_error import StiffnessError
 from modallab.rig.effect import Effect
+from modallab.rig.expected import expected_spectra
 from modallab.rig.hardware import Noise
 from modallab.rig.measurement import Measurement
 from tests.diagnosing import draw_measurement, model, rig
@@ -79,3 +81,15 @@ def test_noise_of_the_responses_alone_is_no_missing_effect() -> None:
     assert found.verdict is Verdict.NOTHING_MISSING
     assert any("proportion to the responses" in note for note in found.notes)
     assert any("force_noise, response_noise, quantisation not judged" in note for note in found.notes)
+
+
+def test_lines_that_no_source_drives_tell_nothing() -> None:
+    """Noise over a force of nothing is infinite there."""
+    test = proportional_noise([])
+    predictor = SingleTestPredictor.of(model(), test.setup, observe(test, (), fraction=0.0))
+    spectra = expected_spectra(predictor.chain(()))
+    observed = replace(predictor.observed, usable=predictor.observed.usable & (spectra.freq > 100)[:, None])
+    ratio = np.full((len(spectra.ff), len(spectra.freq), 1), 0.2)
+    known = share_of_bias(spectra, ratio, observed)
+    ratio[:, spectra.freq <= 100] = 1e300
+    assert share_of_bias(spectra, ratio, observed) == known
