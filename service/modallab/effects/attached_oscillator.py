@@ -54,12 +54,12 @@ class AttachedOscillator(Effect):
             return system
         return system.add_oscillator(self.at, self.mass, self.frequency, self.loss_factor, self.damping_ratio)
 
-    def with_optional_parameters(self) -> Self:
+    def variants(self, system: DynamicSystem) -> tuple[Self, ...]:
         """Return the oscillator with a viscous damper in place of the loss of its spring."""
         if self.damping_ratio > 0:
-            return self
+            return ()
         lossless = self.specs()["loss_factor"].lower
-        return replace(self, loss_factor=lossless, damping_ratio=self.loss_factor / 2)
+        return (replace(self, loss_factor=lossless, damping_ratio=self.loss_factor / 2),)
 
     def fitted_specs(self) -> list[tuple[str, ParameterSpec, float]]:
         """Return what a fit varies: the loss of the spring, or the viscous damper in its place."""

@@ -55,7 +55,7 @@ def test_no_row_of_the_database_holds_a_key_a_cookie_or_a_link(
 ) -> None:
     new = keys.create("somebody", Role.STUDENT)
     secrets = {
-        new.text.rpartition("_")[2],
+        new.text.removeprefix(f"modallab_{new.key.id}_"),
         sessions.create(new.key).cookie,
         secret_of(links, new.key),
     }
