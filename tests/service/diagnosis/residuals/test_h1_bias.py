@@ -69,7 +69,8 @@ def test_frfs_tell_noise_of_the_force_from_other_noise(hidden: list[Effect]) -> 
 
 def test_a_wrong_member_beside_noise_of_the_responses_needs_no_gain() -> None:
     """Before the member is found the FRFs deviate by more than the bias."""
-    found = diagnose(model(), proportional_noise([StiffnessError(Members((3,)), 0.7)]))
+    test = proportional_noise([StiffnessError(Members((3,)), 0.7)])
+    found = diagnose(model(), test, suspects=["stiffness_error", "gain_error"])
     assert found.verdict is Verdict.EXPLAINED
     assert [(step.effect.kind, step.effect.at) for step in found.steps] == [
         ("stiffness_error", Members((3,)))
