@@ -6,7 +6,6 @@ from contextlib import suppress
 from modallab.api.offloading.settings import OFFLOADING
 
 _MMAP_THRESHOLD, _ARENA_MAX = -3, -8  # of malloc.h
-_ARENAS = 2
 
 
 def return_memory_at_once() -> None:
@@ -23,7 +22,7 @@ def share_arenas() -> None:
     By default each of up to 8 threads a core keeps an arena with what it has freed: a service that answers
     a class grows by a fifth within minutes.
     """
-    _tell(_ARENA_MAX, _ARENAS)
+    _tell(_ARENA_MAX, OFFLOADING.arenas)
 
 
 def _tell(parameter: int, value: int) -> None:

@@ -183,7 +183,7 @@ class MemberTable:
         return member, self.ends[self.position(member)].index(node)
 
     def bars_at(self, node: int) -> tuple[int, ...]:
-        """Return the numbers of the bars that end at a node, that of a joint without a number first."""
+        """Return the numbers of the bars that end at a node, first that of a joint without a member."""
         at_node = (
             n for n, pair, bar in zip(self.numbers, self.ends, self.bars, strict=True) if bar and node in pair
         )

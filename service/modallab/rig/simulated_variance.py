@@ -1,6 +1,6 @@
 """Excess variance of spectra with intermittent distortion, by simulated tests."""
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import replace
 from typing import TypeVar
 
@@ -51,7 +51,7 @@ class SimulatedVariance:
         spectra: CrossSpectra,
         effects: Sequence[Effect],
         *,
-        noise: AddedNoise | None = None,
+        noise: Callable[[], AddedNoise | None] = lambda: None,
         repeats: int | None = None,
     ) -> VarianceFactors | None:
         """Return the variance factors of a chain with some effects; None if it cannot be simulated.
@@ -61,7 +61,7 @@ class SimulatedVariance:
         spectra
             `expected_spectra(chain)`.
         noise
-            Noise that the chain's log book leaves open.
+            Returns noise that the chain's log book leaves open; called only where tests are simulated.
         repeats
             Number of simulated tests; None: as the settings have it.
         """
@@ -75,7 +75,7 @@ class SimulatedVariance:
         if key not in self._known:
             self.n_simulated += repeats
             try:
-                self._known[key] = _settled_factors(chain, spectra, repeats, noise)
+                self._known[key] = _settled_factors(chain, spectra, repeats, noise())
             except (DivergedError, InvalidInputError):  # too steep, or rings too long
                 self._known[key] = None
         return self._known[key]

@@ -291,14 +291,18 @@ class SingleTestPredictor:
         repeats: int | None = None,
     ) -> VarianceFactors | None:
         n_before = self.simulated.n_simulated
-        noise, levels = None, self.observed.free_levels
-        if levels.source or levels.noise:
-            noisy = at_level_of(spectra, self.observed.with_levels(spectra, self.lines))
-            noise = AddedNoise.between(spectra, noisy)
+        noise = partial(self._open_noise, spectra)
         factors = self.simulated.factors(measuring_chain, spectra, effects, noise=noise, repeats=repeats)
         cost = PREDICTION.stepping_cost * len(measuring_chain.runs[0].local_forces)
         self.budget.spend(cost * (self.simulated.n_simulated - n_before))
         return factors
+
+    def _open_noise(self, spectra: CrossSpectra) -> AddedNoise | None:
+        """Return the noise that the log book leaves open, as it is fitted beside expected spectra."""
+        if not self.observed.free_levels.noise:
+            return None
+        noisy = self.observed.with_levels(spectra, self.lines)
+        return AddedNoise.between(spectra, at_level_of(spectra, noisy))
 
     def linearisation_at(
         self, effects: Sequence[Effect], *, same_distortion: bool = False

@@ -225,9 +225,10 @@ class _Round:
                 if all(found.chi_square < f.chi_square for f in known):
                     self._fitted.add(name)
                     self.fits = [found, *(f for f in self.fits if f not in known)]
-        names, same = {kind_and_place(effect) for effect in limits}, (1 + ROUND.same_cost) * best.chi_square
-        alike = any(kind_and_place(f.effects[-1]) in names and f.chi_square < same for f in self.fits)
-        if alike and is_undetermined(best):
+        limit_names = {kind_and_place(effect) for effect in limits}
+        max_chi_square = (1 + ROUND.same_cost) * best.chi_square
+        fits_of_limits = [f for f in self.fits if kind_and_place(f.effects[-1]) in limit_names]
+        if any(f.chi_square < max_chi_square for f in fits_of_limits) and is_undetermined(best):
             self.fits.remove(best)
 
     def fit_reduced_model(self) -> None:
