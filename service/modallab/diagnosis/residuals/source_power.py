@@ -69,6 +69,20 @@ class SourcePower:
         ff[:, at] = size[:, at, :, None] * self.correlation * size[:, at, None, :]
         return _with_forces(powered, ff)
 
+    def shares_of(self, changes: FloatArray) -> FloatArray:
+        """Return what the fitted power takes up of changes of the logarithms of expected force spectra.
+
+        Parameters
+        ----------
+        changes
+            (n, n_freq, n_force) at the measured lines.
+        """
+        used = np.where(self.used, changes, 0.0)
+        coefficients = self.projections @ np.moveaxis(used, 2, 1)[..., None]
+        shape = self.projections.shape[1] > 1
+        functions = source_functions(self.freq, self.freq, shape=shape)
+        return np.asarray(np.moveaxis(coefficients[..., 0] @ functions.T, 1, 2))
+
 
 def shape_variance(freq: FloatArray, force: FloatArray, used: BoolArray) -> FloatArray:
     """Return the least variances (n_force,) of the logarithms of spectra of forces of unknown shape.

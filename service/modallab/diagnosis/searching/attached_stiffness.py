@@ -47,7 +47,7 @@ class AttachedStiffness:
     def of(self, variants: Sequence[Effect]) -> tuple[FloatArray, ComplexArray] | None:
         """Return motions (n, r) and the dynamic stiffness of each value, (n_variants, n_freq, r, r).
 
-        None if a value changes the structure in another way, or attaches nothing.
+        None if a value changes the structure in another way. No motions if no value attaches anything.
 
         Parameters
         ----------
@@ -67,8 +67,11 @@ class AttachedStiffness:
                 *([last] if len(variants) > 1 else []),
             ]
             complete = [variant for variant in attachments if variant is not None]
-            if len(complete) < len(attachments) or not any(complete):
+            if len(complete) < len(attachments):
                 return None
+            if not any(complete):
+                n = len(variants), len(self._omega)
+                return np.zeros((self._run.system.mass.shape[0], 0)), np.zeros((*n, 0, 0), complex)
             if not _equal_motions(complete):
                 columns = _span(np.hstack([a.columns for variant in complete for a in variant]))
                 return columns, np.array([self._stiffness(variant, columns) for variant in complete])

@@ -1,4 +1,4 @@
-"""Structural modifications at any place, predicted in closed form from the receptances."""
+"""Effects predicted in closed form: modifications of the structure, filters of channels, exciters."""
 
 from collections.abc import Sequence
 from functools import cached_property
@@ -61,8 +61,8 @@ class ModificationScreen:
 
         Returns
         -------
-        (n_variants, n_fitted) at the fitted lines and channels, or None if the effect does more to a
-        structure than attach stiffness, damping or mass.
+        (n_variants, n_fitted) at the fitted lines and channels, or None if the effect does more than attach
+        stiffness, damping or mass to the structure, and filter channels.
         """
         all_ratios = np.ones((len(variants), len(self._frf.place)), complex)
         for test, (entries, places) in zip(self._tests, self._places, strict=True):
@@ -88,6 +88,34 @@ class ModificationScreen:
         vectors = np.empty((len(frf), len(self.unmodified)))
         vectors[:, :n], vectors[:, n : 2 * n] = frf.real, frf.imag
         vectors[:, 2 * n :] = self.unmodified[2 * n :]  # of force and incoherent responses
+        return vectors
+
+    def residuals(self, variants: Sequence[Effect]) -> FloatArray | None:
+        """Return the whitened residuals (n_variants, n_residuals) with each effect; None without closed form.
+
+        Parameters
+        ----------
+        variants
+            One kind of effect at one place, in several sizes.
+        """
+        ratios = self.ratios(variants)
+        return self._with_forces(variants) if ratios is None else self.vectors(ratios)
+
+    def _with_forces(self, variants: Sequence[Effect]) -> FloatArray | None:
+        """Return the whitened residuals with the exciters of each effect; the level of a source follows."""
+        residual, power = self._residual, self._observed.source_power
+        # Tests of one structure have their forces in an order of their own.
+        ratios = self._tests[0].force_ratios(variants) if len(self._tests) == 1 else None
+        if residual.force is None or ratios is None:
+            return None
+        logarithms = np.log(ratios)
+        if self._observed.free_levels.source and power is not None:
+            logarithms -= power.shares_of(logarithms)
+        changes = -logarithms / np.sqrt(residual.force_variance)
+        changes = changes[:, residual.mask_of("force", self._observed.fitted)]
+        vectors = np.tile(self.unmodified, (len(variants), 1))
+        start = 2 * len(self._frf.place)
+        vectors[:, start : start + changes.shape[1]] += changes
         return vectors
 
     def derivatives(self, exchanged: Sequence[Exchange]) -> FloatArray:

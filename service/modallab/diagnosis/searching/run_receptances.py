@@ -1,18 +1,41 @@
 """Receptances of the runs of a test, from which structural modifications follow in closed form."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
+from modallab.core.place import Channels
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.searching.attached_stiffness import AttachedStiffness
+from modallab.diagnosis.searching.closed_form import (
+    changes_drives_alone,
+    changes_frfs_alone,
+    transfer_ratios,
+)
 from modallab.fe.attachment import Attachment
 from modallab.fe.receptance import attached, solve_small
 from modallab.fe.receptance_map import ReceptanceMap
+from modallab.rig.drive import Drive, transmission
 from modallab.rig.effect import Effect
 from modallab.rig.run import Run
 from modallab.rig.settings import CHAIN
+
+
+@dataclass(frozen=True, eq=False)
+class Entries:
+    """Entries of FRFs by the numbers of their lines, forces and responses, (n,) each."""
+
+    line: IntArray
+    force: IntArray
+    out: IntArray
+
+    def at(self, indices: IntArray) -> "Entries":
+        """Return some of the entries, (m,) indices."""
+        return Entries(self.line[indices], self.force[indices], self.out[indices])
+
 
 Exchange = tuple[Attachment | None, Attachment | None]
 """An attachment that is added, and the one that it replaces."""
@@ -34,8 +57,10 @@ class RunReceptances:
         freq = analyser.freq[lines]
         self._runs = predictor.chain(accepted).runs
         self.omega = 2 * np.pi * np.maximum(freq, CHAIN.dc_line_fraction * analyser.spacing)
-        self._attached = AttachedStiffness(self._runs[0], self.omega)
+        self._attached_in = [AttachedStiffness(run, self.omega) for run in self._runs]
         self._maps = [_receptance_map(runs, self.omega) for runs in _solution_groups(self._runs)]
+        drives = [len(run.acquisition_run.drives) for run in self._runs]
+        self._runs_of_forces = np.repeat(np.arange(len(drives)), drives)
         self.direct = self._direct_receptances()
 
     @property
@@ -44,18 +69,32 @@ class RunReceptances:
         return int(self.direct.size)
 
     def ratios(self, variants: Sequence[Effect], places: IntArray) -> ComplexArray | None:
-        """Return the ratios (n_variants, n_places); None where the effect alters the matrices.
+        """Return the ratios (n_variants, n_places) of FRFs with each effect to those without.
+
+        None where the effect alters the matrices, or does more than to attach to the structure and to filter
+        channels.
 
         Parameters
         ----------
+        variants
+            One kind of effect at one place, in several sizes.
         places
             Indices of entries (n_lines, n_force n_out), counted line by line.
         """
-        stiffness = self._attached.of(variants)
-        if stiffness is None:
+        if not changes_frfs_alone(variants[0]):
             return None
-        columns, z = stiffness[0], stiffness[1][:, None]
+        entries = Entries(*np.unravel_index(places, np.moveaxis(self.direct, 0, 1).shape))
+        if not variants[0].same_in_all_runs:
+            return self._ratios_run_by_run(variants, entries)
+        stiffness = self._attached_in[0].of(variants)
+        if stiffness is None or not stiffness[0].shape[1]:
+            return None
+        return self._structural_ratios(*stiffness, entries)
+
+    def _structural_ratios(self, columns: FloatArray, z: ComplexArray, entries: Entries) -> ComplexArray:
+        """Return the ratios (n_variants, n_entries) with dynamic stiffness `z` attached to motions."""
         to_b, within, from_b = self.receptances(columns)
+        z = z[:, None]
         # z (n_variants, 1, n_lines, r, r) against (n_force, n_lines, ...): every size for every force.
         if z.shape[-1] == 1:  # without a call for every line
             inner, force = z * within, z * from_b
@@ -63,11 +102,63 @@ class RunReceptances:
             inner, force = z @ within, z @ from_b
         inner[..., np.arange(z.shape[-1]), np.arange(z.shape[-1])] += 1.0
         forces = solve_small(inner, force)[..., 0]
-        line, force_number, out = np.unravel_index(places, np.moveaxis(self.direct, 0, 1).shape)
-        alpha, direct = to_b[force_number, line, out], self.direct[force_number, line, out]
+        line, number, out = entries.line, entries.force, entries.out
+        alpha, direct = to_b[number, line, out], self.direct[number, line, out]
         # Motion by motion: matrix products of so few would be a call for every line.
-        change = sum(alpha[:, i] * forces[..., i][:, force_number, line] for i in range(z.shape[-1]))
+        change = sum(alpha[:, i] * forces[..., i][:, number, line] for i in range(z.shape[-1]))
         return np.asarray(1 - change / direct)
+
+    def _ratios_run_by_run(self, variants: Sequence[Effect], entries: Entries) -> ComplexArray | None:
+        """Return the ratios (n_variants, n_entries) of an effect that acts on each run in its own way."""
+        all_ratios = np.ones((len(variants), len(entries.line)), complex)
+        for i, run in enumerate(self._runs):
+            if not _concerns(variants[0], run):
+                continue
+            stiffness = self._attached_in[i].of(variants)
+            transfers = transfer_ratios(run, variants, self.omega)
+            if stiffness is None or transfers is None:
+                return None
+            of_run = np.flatnonzero(self._runs_of_forces[entries.force] == i)
+            here = entries.at(of_run)
+            if stiffness[0].shape[1]:
+                all_ratios[:, of_run] *= self._structural_ratios(*stiffness, here)
+            all_ratios[:, of_run] *= transfers[:, here.line, here.out]
+        return None if (all_ratios == 1).all() else all_ratios
+
+    def force_ratios(self, variants: Sequence[Effect]) -> FloatArray | None:
+        """Return the ratios (n_variants, n_lines, n_force) of force spectra with and without each effect.
+
+        None where the effect does more than to change the exciters.
+        """
+        if not changes_drives_alone(variants[0]):
+            return None
+
+        equal = all(run.drives == self._runs[0].drives for run in self._runs)
+
+        def powers(effect: Effect | None) -> FloatArray:
+            force = [
+                transmission(_drives_with(effect, run), self.omega, alpha)
+                for run, alpha in (
+                    [(self._runs[0], self._at_drives)]
+                    if equal
+                    else zip(self._runs, self._at_drives[:, None], strict=True)
+                )
+            ]
+            power = (np.abs(np.concatenate(force)) ** 2).sum(axis=3)
+            return np.asarray(np.moveaxis(power, 0, 1).reshape(len(self.omega), -1))
+
+        unmodified = powers(None)
+        return np.array([powers(effect) / unmodified for effect in variants])
+
+    @cached_property
+    def _at_drives(self) -> ComplexArray:
+        """(n_run, n_lines, n_in, n_in): receptances of the drive points of each run, m/N."""
+        n_in = len(self._runs[0].acquisition_run.drives)
+        by_run = []
+        for i, run in enumerate(self._runs):
+            columns = run.system.selection(run.acquisition_run.drives)
+            by_run.append(self._motions(columns)[0][i][:, :n_in])
+        return np.array(by_run)
 
     def derivatives(self, exchanged: Sequence[Exchange]) -> ComplexArray:
         """Return the relative changes (n_exchanged, n_lines, n_out), each for a whole exchange."""
@@ -113,12 +204,7 @@ class RunReceptances:
 
     def receptances(self, columns: FloatArray) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
         """Return alpha_oB (n_force, n_lines, n_out, r), alpha_BB and alpha_Bd (.., r, 1) of r columns."""
-        alpha: list[ComplexArray] = []
-        within: list[ComplexArray] = []
-        for receptance_map in self._maps:
-            to_b, block = receptance_map.to(columns)
-            alpha += list(to_b)
-            within += list(block)
+        alpha, within = self._motions(columns)
         to_outputs = [run.channel_motions(block) for run, block in zip(self._runs, alpha, strict=True)]
         # The motions of a run begin with those of its drive points.
         of_force = [
@@ -129,6 +215,27 @@ class RunReceptances:
             np.array([within[i] for i, _ in of_force]),
             np.array([alpha[i][:, d : d + 1].swapaxes(1, 2) for i, d in of_force]),
         )
+
+    def _motions(self, columns: FloatArray) -> tuple[list[ComplexArray], list[ComplexArray]]:
+        """Return by run the receptances (n_lines, n_motions, r) of its motions from columns, and alpha_BB."""
+        alpha: list[ComplexArray] = []
+        within: list[ComplexArray] = []
+        for receptance_map in self._maps:
+            to_b, block = receptance_map.to(columns)
+            alpha += list(to_b)
+            within += list(block)
+        return alpha, within
+
+
+def _drives_with(effect: Effect | None, run: Run) -> tuple[Drive, ...]:
+    return run.drives if effect is None else tuple(effect.on_drive(drive) for drive in run.drives)
+
+
+def _concerns(effect: Effect, run: Run) -> bool:
+    """Return whether an effect may act in a run: one of channels in those that measure them."""
+    if not isinstance(effect.at, Channels):
+        return True
+    return bool({dof.point for dof in run.acquisition_run.outputs} & set(effect.at.points))
 
 
 def _solution_groups(runs: Sequence[Run]) -> list[Sequence[Run]]:

@@ -155,6 +155,12 @@ class ShortlistSettings(Settings):
     nonlinear_sizes: int = setting(
         5, unit="values", doc="amounts, or a few more, by which places of it are ranked", tuned=TESTS
     )
+    max_sizes: int = setting(
+        20,
+        unit="values",
+        doc="values of an effect of channels or exciters up to which all are predicted",
+        derived="beyond a scan for a resonance, whose values in closed form cost less than one prediction",
+    )
     max_channels: int = setting(
         3, unit="channels", doc="channels of the largest gap for each noise inflation", tuned=TESTS
     )

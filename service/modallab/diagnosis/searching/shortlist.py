@@ -16,7 +16,12 @@ from modallab.diagnosis.residuals.residual import residual
 from modallab.diagnosis.searching.modification_screen import ModificationScreen
 from modallab.diagnosis.searching.robust_cost import RobustCost, line_minimum_fraction
 from modallab.diagnosis.searching.settings import LOSS, SCAN, SHORTLIST
-from modallab.diagnosis.searching.starting_values import scan_sizes, smallest_amounts, with_amount_scaled
+from modallab.diagnosis.searching.starting_values import (
+    about_minima,
+    scan_sizes,
+    smallest_amounts,
+    with_amount_scaled,
+)
 from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.frf_channel import FrfChannel
 
@@ -92,7 +97,7 @@ def shortlist(
             linearised = _linearised(screen, suspect, prediction.predictor, cost, start)
             unscreened.setdefault(suspect.kind, []).append(_UnscreenedPlace(sizes, linearised))
         else:
-            chosen.append(ListedPlace(sizes))
+            chosen.append(ListedPlace(_likely_sizes(screen, sizes, cost)))
     for screened_places in screened.values():
         chosen += _best_screened(screen, screened_places, cost)
     for places in unscreened.values():
@@ -140,10 +145,9 @@ def _screened(
     start
         Residuals without the effect, nuisance parameters projected out.
     """
-    ratios = screen.ratios(sizes)
-    if ratios is None:
+    vectors, unmodified = screen.residuals(sizes), screen.unmodified
+    if vectors is None:
         return None
-    vectors, unmodified = screen.vectors(ratios), screen.unmodified
     # Where residuals are no larger than noise the best amount is below any of the grid.
     smallest = smallest_amounts(sizes)
     ends = cost.project_out(vectors[smallest])
@@ -161,6 +165,15 @@ def _best_screened(
     useful = SCAN.useful_cost * cost.of(screen.unmodified)
     likely = _of_least_cost(places, SHORTLIST.max_refined_places)
     return _best([_refined(screen, place, cost, useful) for place in likely], useful)
+
+
+def _likely_sizes(screen: ModificationScreen, sizes: list[Effect], cost: RobustCost) -> list[Effect]:
+    """Return the values about the local minima of the cost in closed form; all, if few or without such."""
+    if len(sizes) <= SHORTLIST.max_sizes or (vectors := screen.residuals(sizes)) is None:
+        return sizes
+    costs = cost.of(vectors)
+    chosen = {i for by_value in costs.T for i in about_minima(sizes, by_value)}
+    return [sizes[i] for i in sorted(chosen)]
 
 
 def _refined(
@@ -184,8 +197,8 @@ def _refined(
                 centres.append(best)
         for centre in centres:  # one by one: many places have the same ones, and their stiffness is cached
             sizes = [with_amount_scaled(centre, float(share)) for share in shares]
-            if (ratios := screen.ratios(sizes)) is not None:
-                costs = np.vstack([place.costs, cost.of(screen.vectors(ratios))])
+            if (vectors := screen.residuals(sizes)) is not None:
+                costs = np.vstack([place.costs, cost.of(vectors)])
                 place = _ScreenedPlace([*place.sizes, *sizes], costs, refined=True)
     return place
 

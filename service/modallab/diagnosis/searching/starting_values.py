@@ -63,9 +63,22 @@ def local_minima(sizes: Sequence[Effect], costs: FloatArray) -> list[int]:
     At every amount the best values of the other parameters count. Minima far above the best one, and
     those beyond the best few, are left out.
     """
+    by_amount, places = _minima_by_amount(sizes, costs)
+    return [by_amount[i] for i in places]
+
+
+def about_minima(sizes: Sequence[Effect], costs: FloatArray) -> list[int]:
+    """Return the indices of values at local minima, as `local_minima`, and of those beside them."""
+    by_amount, places = _minima_by_amount(sizes, costs)
+    beside = {i + step for i in places for step in (-1, 0, 1)}
+    return [by_amount[i] for i in sorted(beside) if 0 <= i < len(by_amount)]
+
+
+def _minima_by_amount(sizes: Sequence[Effect], costs: FloatArray) -> tuple[list[int], list[int]]:
+    """Return the indices of the best values at each amount, rising, and where among them minima are."""
     name = next(iter(sizes[0].specs()), None)
     if name is None:
-        return [int(costs.argmin())]
+        return [int(costs.argmin())], [0]
     best: dict[float, int] = {}
     for i in np.argsort(costs):
         best.setdefault(sizes[i].parameters[name], int(i))
@@ -73,8 +86,10 @@ def local_minima(sizes: Sequence[Effect], costs: FloatArray) -> list[int]:
     curve = np.concatenate([[np.inf], costs[by_amount], [np.inf]])
     minima = np.flatnonzero((curve[1:-1] < curve[:-2]) & (curve[1:-1] <= curve[2:]))
     order = minima[np.argsort(curve[1:-1][minima])][: STARTING_VALUES.max_minima]
-    indices = [by_amount[i] for i in order]
-    return [i for i in indices if costs[i] <= STARTING_VALUES.max_cost_ratio * costs[indices[0]]]
+    lowest = costs[by_amount[order[0]]] if len(order) else np.inf
+    return by_amount, [
+        int(i) for i in order if costs[by_amount[i]] <= STARTING_VALUES.max_cost_ratio * lowest
+    ]
 
 
 def with_amount_scaled(effect: Effect, share: float) -> Effect:

@@ -7,17 +7,26 @@ import pytest
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members, Place
 from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.residuals.residual import residual
 from modallab.diagnosis.searching.modification_screen import ModificationScreen
+from modallab.effects.accelerometer_mass import AccelerometerMass
 from modallab.effects.attached_oscillator import AttachedOscillator
+from modallab.effects.cable_mass import CableMass
+from modallab.effects.channel_delay import ChannelDelay
+from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.density_error import DensityError
 from modallab.effects.extra_mass import ExtraMass
+from modallab.effects.force_noise import ForceNoise
 from modallab.effects.gain_error import GainError
 from modallab.effects.ground_spring import GroundSpring
 from modallab.effects.joint_flexibility import JointFlexibility
+from modallab.effects.leakage import Leakage
 from modallab.effects.local_damping import LocalDamping
 from modallab.effects.loss_factor_error import LossFactorError
 from modallab.effects.misplaced_accelerometer import MisplacedAccelerometer
+from modallab.effects.mounted_resonance import MountedResonance
 from modallab.effects.stiffness_error import StiffnessError
+from modallab.effects.stinger_axial import StingerAxial
 from modallab.effects.swapped_channels import SwappedChannels
 from modallab.rig.effect import Effect
 from tests.diagnosing import draw_measurement, predicting, rig
@@ -111,10 +120,67 @@ def test_a_channel_that_measures_two_motions_is_predicted_exactly() -> None:
         np.testing.assert_allclose(ratios[0], (both / alone)[fitted], rtol=1e-4)
 
 
-def test_an_effect_that_is_no_attachment_has_no_ratios() -> None:
+@pytest.mark.parametrize(
+    ("effect", "larger"),
+    [
+        (MountedResonance(None, 900.0, 0.05), {"frequency": 250.0}),
+        (MountedResonance(Channels((Dof(5, "Y"),)), 900.0, 0.05), {"frequency": 250.0}),
+        (CableMass(None, 0.002, 20.0), {"mass": 0.02}),
+        (AccelerometerMass(None, 0.004), {"mass": 0.04}),
+        (ChannelDelay(Channels((Dof(5, "Y"),)), 1e-5), {"delay": 1e-3}),
+        (ChannelDelay(None, 1e-5), {"delay": 1e-3}),
+        (GainError(Channels((Dof(5, "Y"),)), 1.1), {"factor": 3.0}),
+        (GainError(Dof(1, "Y"), 1.1), {"factor": 3.0}),
+    ],
+    ids=lambda value: f"{value.kind} {value.at}" if isinstance(value, Effect) else "",
+)
+@pytest.mark.parametrize("roving", [True, False])
+def test_effects_of_single_runs_and_channels_are_predicted_exactly(
+    effect: Effect, larger: dict[str, float], roving: bool
+) -> None:
+    predictor = quiet(roving=roving)
+    sizes = [effect, effect.with_parameters(larger)]
+    coarse = predictor.coarse_prediction([])
+    ratios = ModificationScreen(coarse, []).ratios(sizes)
+    assert ratios is not None
+    without = predictor.predict([]).h[:: predictor.step]
+    for size, ratio in zip(sizes, ratios, strict=True):
+        predicted = predictor.predict([size]).h[:: predictor.step] / without
+        np.testing.assert_allclose(ratio, predicted[coarse.observed.fitted], rtol=1e-4)
+
+
+@pytest.mark.parametrize("level", [1.0, None])
+def test_forces_of_a_changed_exciter_are_predicted_exactly(level: float | None) -> None:
+    declared = rig(noise=QUIET)
+    excitation = replace(declared.analyser.excitation, level=level)
+    setup = replace(declared, analyser=replace(declared.analyser, excitation=excitation))
+    predictor, _ = predicting(replace(draw_measurement(declared), setup=setup))
+    coarse = predictor.coarse_prediction([])
+    effects = [StingerAxial(None, 1e5, 0.1), StingerAxial(None, 1e6, 0.05), StingerAxial(None, 1e7)]
+    found = ModificationScreen(coarse, []).residuals(effects)
+    assert found is not None
+    for vector, effect in zip(found, effects, strict=True):
+        predicted = residual(coarse.observed, coarse.predict([effect]))
+        start = 2 * int(coarse.observed.fitted.sum())
+        n_force = predicted.sizes_by_part(coarse.observed.fitted)["force"]
+        of_force = slice(start, start + n_force)
+        expected = predicted.vector(coarse.observed.fitted)[of_force]
+        # residuals of up to hundreds, of logarithms over their random error
+        np.testing.assert_allclose(vector[of_force], expected, atol=1e-3)
+
+
+def test_an_effect_that_has_no_closed_form_has_no_ratios() -> None:
     screen = ModificationScreen(quiet().coarse_prediction([]), [])
-    assert screen.ratios([GainError(Channels((Dof(5, "Y"),)), 1.1)]) is None
-    assert screen.ratios([StiffnessError(None, 1.1)]) is None
+    for effect in (
+        StiffnessError(None, 1.1),
+        MisplacedAccelerometer(Channels((Dof(5, "Y"),)), 0.02),
+        SwappedChannels(Channels((Dof(4, "Y"), Dof(5, "Y")))),
+        CubicStiffness(Dof(5, "Y")),
+        ForceNoise(None, 0.1),
+        Leakage(None, 0.5),
+    ):
+        assert screen.ratios([effect]) is None
+        assert screen.residuals([effect]) is None
 
 
 def test_a_member_that_is_altered_already_is_left_to_a_prediction() -> None:
