@@ -7,9 +7,8 @@ from functools import cached_property
 import numpy as np
 
 from modallab.core.arrays import FloatArray
-from modallab.core.dof import Dof
 from modallab.core.numerics import SAFE_DIVISOR
-from modallab.core.place import Channels, Dofs, Members
+from modallab.core.place import Channels
 from modallab.core.progress import Progress
 from modallab.diagnosis.fitting.fit import Fit
 from modallab.diagnosis.optimisation.bounded_quadratic import BoundedQuadratic
@@ -218,10 +217,9 @@ class _Visibility:
 
     def _change(self, effect: Effect) -> FloatArray:
         """Return the change of the residuals (n_data,) by an effect."""
-        structural = isinstance(effect.at, Dof | Dofs | Members)
-        ratios = self._screen.ratios([effect]) if structural else None
-        if ratios is not None:
-            return np.asarray(self._screen.vectors(ratios)[0] - self._screen.unmodified)
+        vectors = self._screen.residuals([effect])
+        if vectors is not None:
+            return np.asarray(vectors[0] - self._screen.unmodified)
         predicted = self._prediction.predict([*self._found.effects, effect])
         return residual(self._prediction.observed, predicted).vector(self._mask) - self._base
 
