@@ -31,7 +31,8 @@ from modallab.diagnosis.search_result import SearchResult
 from modallab.diagnosis.searching.acceptance import is_noise_only
 from modallab.diagnosis.searching.search import ExplanationCriterion, is_prediction_error, search
 from modallab.diagnosis.searching.search_path import SearchPath
-from modallab.diagnosis.searching.search_round import Suspects, fit_candidates
+from modallab.diagnosis.searching.search_round import fit_candidates
+from modallab.diagnosis.searching.suspects import Suspects
 from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.fe.damping import UnknownDamping
 from modallab.fe.structure import Structure

@@ -16,7 +16,7 @@ from modallab.diagnosis.predicting.joint_prediction import JointPredictor
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.result import Diagnosis, Verdict
-from modallab.diagnosis.searching.search_round import Suspects
+from modallab.diagnosis.searching.suspects import Suspects
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.force_transducer_mass import ForceTransducerMass

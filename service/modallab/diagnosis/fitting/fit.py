@@ -122,6 +122,7 @@ def fit(
     fixed: Sequence[Effect] = (),
     near: Fit | None = None,
     max_chi_square: float = np.inf,
+    approach: bool = False,
 ) -> Fit:
     """Return the effects with all their parameters fitted together, from starts near the solution.
 
@@ -136,11 +137,13 @@ def fit(
         Fit of the same data whose derivatives by nuisance parameters the first steps take.
     max_chi_square
         Chi-square of use: a fit that a few steps without new derivatives leave above it is given up.
+    approach
+        Whether every random error is inflated first, for a start far from the data.
     """
-    found = _fit(predictor, effects, fixed, near, max_chi_square)
+    found = _fit(predictor, effects, fixed, near, max_chi_square, approach=approach)
     bursts = any(effect.intermittent for effect in effects)
     if bursts and found.chi_square < FIT.near_noise * found.n_data and _differ(effects, found.effects):
-        return _fit(predictor, found.effects, fixed, near, max_chi_square)
+        return _fit(predictor, found.effects, fixed, near, max_chi_square, approach=approach)
     return found
 
 
@@ -193,12 +196,14 @@ def _fit(
     fixed: Sequence[Effect],
     near: Fit | None,
     max_chi_square: float,
+    *,
+    approach: bool,
 ) -> Fit:
     """Return `fit` with the random errors of the start."""
     plain, predictor = predictor, predictor.with_intermittent_errors([*fixed, *effects])
     known = None if near is None or predictor.observed is not plain.observed else near.nuisance_derivatives
     task = FitTask(predictor, fixed, ParameterVector(effects), known)
-    start, derivatives = minimised(task, max_chi_square)
+    start, derivatives = minimised(task, max_chi_square, approach=approach)
     fitted_residual, final, position = task.residuals[start.tobytes()], *task.at(start)
     observed = predictor.observed
     vector = fitted_residual.vector(observed.fitted)

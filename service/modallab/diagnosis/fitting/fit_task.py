@@ -101,13 +101,15 @@ class _Linearisation:
         )
 
 
-def minimised(task: FitTask, max_chi_square: float) -> tuple[FloatArray, FloatArray]:
+def minimised(task: FitTask, max_chi_square: float, *, approach: bool) -> tuple[FloatArray, FloatArray]:
     """Return the position of the minimum, and the derivatives of the data's residuals there.
 
     Parameters
     ----------
     max_chi_square
         Sum of squares above which the position after a few steps is returned.
+    approach
+        Whether random errors are inflated first where the start is far from the data.
     """
     parameters, limits = task.parameters, task.predictor.nuisances.limits[task.free]
     start = np.concatenate([parameters.start, task.predictor.position[task.free]])
@@ -137,7 +139,7 @@ def minimised(task: FitTask, max_chi_square: float) -> tuple[FloatArray, FloatAr
         )
         if float(attempt.vector @ attempt.vector) > max_chi_square:
             return attempt.position, attempt.jacobian[: len(attempt.vector) - len(task.free)]
-    if not len(parameters):
+    if approach or not len(parameters):
         _approach(minimum, task)
     near_noise = FIT.near_noise * len(minimum.vector)
     minimum.minimise(

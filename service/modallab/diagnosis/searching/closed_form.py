@@ -27,6 +27,11 @@ def changes_frfs_alone(effect: Effect) -> bool:
     return _hooks(effect) <= {"on_system", "on_channel"}
 
 
+def filters_channels(effect: Effect) -> bool:
+    """Return whether an effect acts on channels."""
+    return "on_channel" in _hooks(effect)
+
+
 def changes_drives_alone(effect: Effect) -> bool:
     """Return whether an effect acts on the exciters alone: not on FRFs."""
     return _hooks(effect) == {"on_drive"}

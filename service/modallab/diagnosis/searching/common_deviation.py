@@ -4,8 +4,8 @@ from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import is_noise_only, variance_inflation
 from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, kind_and_place
-from modallab.diagnosis.searching.search_round import Suspects
 from modallab.diagnosis.searching.settings import ACCEPTANCE
+from modallab.diagnosis.searching.suspects import Suspects
 from modallab.rig.effect import EFFECTS, Effect
 
 COMMON_EFFECTS = {"modal_loss_factor": "loss_factor_error", "sensitivity": "gain_error"}

@@ -7,8 +7,9 @@ from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import is_noise_only, is_nonzero, variance_inflation
 from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, kind_and_place
-from modallab.diagnosis.searching.search_round import Suspects, fit_candidates
+from modallab.diagnosis.searching.search_round import fit_candidates
 from modallab.diagnosis.searching.settings import ACCEPTANCE, MULTIPLE_ELEMENTS, SEARCH
+from modallab.diagnosis.searching.suspects import Suspects
 from modallab.diagnosis.searching.wrong_elements import wrong_elements
 from modallab.rig.effect import Effect
 

@@ -5,7 +5,8 @@ from dataclasses import replace
 from modallab.core.dof import Dof
 from modallab.core.place import Members, Place
 from modallab.fe.system import DynamicSystem
-from modallab.rig.effect import Effect
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.setup import RigSetup
 
 
 def neighbouring_effects(effect: Effect, system: DynamicSystem) -> list[Effect]:
@@ -32,3 +33,23 @@ def neighbouring_effects(effect: Effect, system: DynamicSystem) -> list[Effect]:
             Members((number,)) for number, pair in ends.items() if number != member and joined & set(pair)
         ]
     return [replace(effect, at=place) for place in places]
+
+
+def akin_effects(effect: Effect, system: DynamicSystem, setup: RigSetup) -> list[Effect]:
+    """Return the effects of its akin kinds at places that touch an effect's place, with typical parameters.
+
+    A node touches the members that end there.
+    """
+    if system.members is None:
+        return []
+    ends = dict(zip(system.members.numbers, system.members.ends, strict=True))
+
+    def nodes(place: Place) -> set[int]:
+        if isinstance(place, Dof):
+            return {place.node}
+        return (
+            {end for number in place.numbers for end in ends[number]} if isinstance(place, Members) else set()
+        )
+
+    akin = [EFFECTS[kind] for kind in effect.akin_kinds]
+    return [cls(at=at) for cls in akin for at in cls.places(system, setup) if nodes(at) & nodes(effect.at)]

@@ -13,6 +13,7 @@ from modallab.diagnosis.searching.attached_stiffness import AttachedStiffness
 from modallab.diagnosis.searching.closed_form import (
     changes_drives_alone,
     changes_frfs_alone,
+    filters_channels,
     transfer_ratios,
 )
 from modallab.fe.attachment import Attachment
@@ -62,6 +63,7 @@ class RunReceptances:
         drives = [len(run.acquisition_run.drives) for run in self._runs]
         self._runs_of_forces = np.repeat(np.arange(len(drives)), drives)
         self.direct = self._direct_receptances()
+        self._mass_cancelled = analyser.mass_cancellation > 0  # of a reading, which is subtracted
 
     @property
     def size(self) -> int:
@@ -81,7 +83,7 @@ class RunReceptances:
         places
             Indices of entries (n_lines, n_force n_out), counted line by line.
         """
-        if not changes_frfs_alone(variants[0]):
+        if not changes_frfs_alone(variants[0]) or (self._mass_cancelled and filters_channels(variants[0])):
             return None
         entries = Entries(*np.unravel_index(places, np.moveaxis(self.direct, 0, 1).shape))
         if not variants[0].same_in_all_runs:

@@ -23,8 +23,9 @@ from modallab.diagnosis.searching.search_path import (
     refine_path,
     with_optional_parameters_of_all,
 )
-from modallab.diagnosis.searching.search_round import Suspects, fit_candidates
+from modallab.diagnosis.searching.search_round import fit_candidates
 from modallab.diagnosis.searching.settings import ACCEPTANCE, ROUND, SEARCH
+from modallab.diagnosis.searching.suspects import Suspects
 from modallab.rig.effect import Effect, is_nonlinear
 
 ExplanationCriterion = Callable[[tuple[Effect, ...]], bool]

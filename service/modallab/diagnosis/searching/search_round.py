@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,40 +12,16 @@ from modallab.core.progress import Progress, part, silent
 from modallab.diagnosis.fitting.coarse_fit import coarse_fit
 from modallab.diagnosis.fitting.fit import Fit, fit, with_optional_parameters
 from modallab.diagnosis.fitting.settings import FIT
-from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import is_noise_only, is_undetermined, ranked_by_bic
 from modallab.diagnosis.searching.narrower_errors import with_narrower_errors
-from modallab.diagnosis.searching.neighbouring_places import neighbouring_effects
+from modallab.diagnosis.searching.neighbouring_places import akin_effects, neighbouring_effects
 from modallab.diagnosis.searching.scanning import StartingPoint, scan
 from modallab.diagnosis.searching.search_path import kind_and_place
 from modallab.diagnosis.searching.settings import LOSS, ROUND
+from modallab.diagnosis.searching.suspects import Suspects
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect
-
-
-@dataclass(frozen=True)
-class Suspects:
-    """Effects that may be missing, one for every kind and place."""
-
-    effects: Sequence[Effect]
-    """The effects."""
-    least: float = 0.0
-    """Suspicion below which a kind is not considered, 0 to 1."""
-
-    def of(self, predictor: Predictor, accepted: Sequence[Effect]) -> list[Effect]:
-        """Return the effects that the evidence beside accepted effects supports, the likeliest first."""
-        # Evidence at one level or drive point may be absent at the others.
-        evidence_by_test = [collect_evidence(test, accepted) for test in predictor.tests]
-        kinds = {type(effect) for effect in self.effects}
-        suspicion = {cls: max(cls.signature(evidence) for evidence in evidence_by_test) for cls in kinds}
-        names = {kind_and_place(effect) for effect in accepted}
-        effects = [
-            effect
-            for effect in self.effects
-            if suspicion[type(effect)] >= self.least and kind_and_place(effect) not in names
-        ]
-        return sorted(effects, key=lambda effect: -suspicion[type(effect)])
 
 
 def fit_candidates(
@@ -96,6 +71,7 @@ class _Round:
         self._fitted: set[tuple[str, str]] = set()
         self._max_cost = np.inf  # of a coarse fit
         self._budget_limit = np.inf  # predictions spent when no further fit begins
+        self._from_declared: set[tuple[str, str]] = set()
         self.fits: list[Fit] = []
         self.explanation: Effect | None = None  # leaves only noise, at the least cost of a coarse fit
 
@@ -119,7 +95,10 @@ class _Round:
             given_up = self._is_budget_spent and len(self.fits) > 0
             if not hopeless and not given_up:
                 self._fit(cost, effect)
+        self._fit_from_declared()
         self._fit_neighbours()
+        self._fit_from_declared()
+        self._fit_akin_kinds()
 
     def accept_best(self, explains: Callable[[Fit], bool]) -> None:
         """Take the best fit for the explanation if it is one, unless there is one already."""
@@ -185,6 +164,51 @@ class _Round:
                             near, cost = coarse_fit(self._coarse, self._accepted, effect, inflation)
                             if self._is_competitive(cost):
                                 self._fit(cost, near)
+
+    def _fit_from_declared(self) -> None:
+        """Fit the best effects from the declared values of tolerances too, while none explains the test.
+
+        What tolerances took up of an effect that was missing may lead away from it.
+        """
+        if not self.fits or self.explanation is not None:
+            return
+        limit = ROUND.declared_cost * min(found.chi_square for found in self.fits)
+        for found in [found for found in self.fits if found.chi_square < limit]:
+            self._fit_one_from_declared(found)
+
+    def _fit_one_from_declared(self, found: Fit) -> None:
+        predictor, name = self._predictor, kind_and_place(found.effects[-1])
+        n, done = len(predictor.nuisances), name in self._from_declared or self.explanation is not None
+        if not n or done or predictor.budget.exhausted:
+            return
+        self._from_declared.add(name)
+        cost, start = self._candidates.get(name, (np.inf, found.effects[-1]))
+        with suppress(InvalidInputError):
+            declared = predictor.with_nuisances_at(np.zeros(n))
+            other = fit(declared, (*self._accepted, start), approach=True)
+            if other.chi_square < found.chi_square:
+                self.fits[self.fits.index(found)] = other
+                if self._explains(other):
+                    self._max_cost, self.explanation = ROUND.hopeless_cost * cost, other.effects[-1]
+
+    def _fit_akin_kinds(self) -> None:
+        """Fit what acts much as the best effect does, where it touches that, while none explains the test."""
+        if not self.fits or self.explanation is not None:
+            return
+        predictor, best = self._predictor, min(self.fits, key=_bic)
+        akin = [
+            effect
+            for effect in akin_effects(best.effects[-1], predictor.system, predictor.setup)
+            if kind_and_place(effect) in self._suspected - self._fitted
+        ]
+        starts = scan(self._coarse, self._accepted, akin, silent) if akin else []
+        for effect, cost in self._approached(starts, silent):
+            if not predictor.budget.exhausted and self._is_competitive(cost):
+                self._fit(cost, effect)
+                for found in [
+                    f for f in self.fits if kind_and_place(f.effects[-1]) == kind_and_place(effect)
+                ]:
+                    self._fit_one_from_declared(found)
 
     @property
     def _is_budget_spent(self) -> bool:

@@ -17,7 +17,7 @@ from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.result import Verdict
 from modallab.diagnosis.searching.search import search
 from modallab.diagnosis.searching.search_path import kind_and_place
-from modallab.diagnosis.searching.search_round import Suspects
+from modallab.diagnosis.searching.suspects import Suspects
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.ground_spring import GroundSpring

@@ -12,7 +12,7 @@ from modallab.diagnosis.reporting.verdict_text import verdict_text
 from modallab.diagnosis.result import Verdict
 from modallab.diagnosis.searching.acceptance import is_noise_only
 from modallab.diagnosis.searching.search import search
-from modallab.diagnosis.searching.search_round import Suspects
+from modallab.diagnosis.searching.suspects import Suspects
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.gain_error import GainError
 from modallab.effects.loss_factor_error import LossFactorError

@@ -169,6 +169,15 @@ def test_forces_of_a_changed_exciter_are_predicted_exactly(level: float | None) 
         np.testing.assert_allclose(vector[of_force], expected, atol=1e-3)
 
 
+def test_a_reading_that_mass_cancellation_subtracts_has_no_closed_form() -> None:
+    setup = rig(noise=QUIET)
+    cancelling = replace(setup, analyser=replace(setup.analyser, mass_cancellation=0.01))
+    predictor, _ = predicting(draw_measurement(cancelling))
+    screen = ModificationScreen(predictor.coarse_prediction([]), [])
+    assert screen.residuals([GainError(Channels((Dof(1, "Y"),)), 1.1)]) is None
+    assert screen.residuals([GroundSpring(Dof(3, "Y"), 1e4)]) is not None
+
+
 def test_an_effect_that_has_no_closed_form_has_no_ratios() -> None:
     screen = ModificationScreen(quiet().coarse_prediction([]), [])
     for effect in (

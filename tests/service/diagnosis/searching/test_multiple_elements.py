@@ -11,7 +11,7 @@ from modallab.core.progress import silent
 from modallab.diagnosis.fitting.fit import Fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching import multiple_elements
-from modallab.diagnosis.searching.search_round import Suspects
+from modallab.diagnosis.searching.suspects import Suspects
 from modallab.effects.attached_oscillator import AttachedOscillator
 from modallab.effects.joint_flexibility import JointFlexibility
 from modallab.effects.stiffness_error import StiffnessError

@@ -4,11 +4,13 @@ import pytest
 
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members, Place
-from modallab.diagnosis.searching.neighbouring_places import neighbouring_effects
+from modallab.diagnosis.searching.neighbouring_places import akin_effects, neighbouring_effects
+from modallab.effects.density_error import DensityError
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.gain_error import GainError
 from modallab.effects.stiffness_error import StiffnessError
 from modallab.rig.effect import Effect
+from tests.diagnosing import rig
 from tests.rigs import beam_system, dofs
 
 
@@ -28,3 +30,19 @@ def test_they_share_a_member_or_a_node(effect: Effect, places: list[Place]) -> N
     found = neighbouring_effects(effect, beam_system())
     assert [neighbour.at for neighbour in found] == places
     assert all(neighbour.parameters == effect.parameters for neighbour in found)
+
+
+@pytest.mark.parametrize(
+    ("effect", "kind", "places"),
+    [
+        (ExtraMass(Dof(4, "Y"), 0.02), "density_error", [Members((3,)), Members((4,))]),
+        (DensityError(Members((7,)), 0.9), "extra_mass", [Dof(7, "Y"), Dof(8, "Y")]),
+        (DensityError(None, 0.9), "extra_mass", []),
+        (GainError(Channels(dofs(4)), 1.1), "extra_mass", []),
+    ],
+    ids=str,
+)
+def test_akin_kinds_touch_a_place(effect: Effect, kind: str, places: list[Place]) -> None:
+    found = akin_effects(effect, beam_system(), rig())
+    assert [akin.at for akin in found if akin.kind == kind] == places
+    assert all(akin.kind == kind for akin in found)

@@ -17,7 +17,8 @@ from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.prediction_budget import PredictionBudget
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.scanning import StartingPoint, scan
-from modallab.diagnosis.searching.search_round import Suspects, fit_candidates
+from modallab.diagnosis.searching.search_round import fit_candidates
+from modallab.diagnosis.searching.suspects import Suspects
 from modallab.effects.attached_oscillator import AttachedOscillator
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.extra_mass import ExtraMass

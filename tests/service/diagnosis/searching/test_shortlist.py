@@ -6,16 +6,20 @@ import pytest
 
 import modallab.diagnosis.searching.shortlist as module
 from modallab.core.dof import Dof
+from modallab.core.place import Channels
 from modallab.core.progress import silent
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
 from modallab.diagnosis.searching.modification_screen import ModificationScreen
 from modallab.diagnosis.searching.settings import SHORTLIST
 from modallab.diagnosis.searching.shortlist import ListedPlace, shortlist
+from modallab.diagnosis.searching.starting_values import scan_sizes
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.friction import Friction
 from modallab.effects.ground_spring import GroundSpring
 from modallab.effects.local_damping import LocalDamping
+from modallab.effects.mounted_resonance import MountedResonance
+from modallab.effects.stinger_axial import StingerAxial
 from modallab.rig.effect import Effect
 from tests.diagnosing import draw_measurement, predicting, rig
 
@@ -129,3 +133,20 @@ def test_measured_places_of_a_nonlinear_force_are_predicted_and_others_by_its_li
     unmeasured = [sizes for sizes in predicted if sizes[0].at not in measured]
     assert len(predicted) == len(measured) + len(unmeasured)
     assert len(unmeasured) <= 3 * SHORTLIST.max_linearised_places  # for each of three noise inflations
+
+
+@pytest.mark.parametrize(
+    ("hidden", "name"),
+    [
+        (MountedResonance(Channels((Dof(5, "Y"),)), 260.0, 0.05), "frequency"),
+        (StingerAxial(None, 3.3e4, 0.05), "stiffness"),
+    ],
+)
+def test_of_a_scan_for_a_resonance_the_values_about_its_minima_are_listed(hidden: Effect, name: str) -> None:
+    prediction = looking_for(hidden)
+    (place,) = shortlist(prediction, [], [type(hidden)(hidden.at)], silent)
+    values = np.array([effect.parameters[name] for effect in place.sizes])
+    # a step of 1.5 % of the frequency is one of 3 % of the stiffness
+    assert np.abs(values / hidden.parameters[name] - 1).min() < 0.04
+    system, setup = prediction.predictor.system, prediction.predictor.tests[0].setup
+    assert len(values) < len(scan_sizes(hidden, hidden.scan_values(system, setup))) / 2

@@ -13,7 +13,7 @@ from modallab.diagnosis.search_task import suspected
 from modallab.diagnosis.searching import wrong_elements as elements
 from modallab.diagnosis.searching.backward_elimination import Group
 from modallab.diagnosis.searching.multiple_elements import multiple_elements
-from modallab.diagnosis.searching.search_round import Suspects
+from modallab.diagnosis.searching.suspects import Suspects
 from modallab.diagnosis.searching.wrong_elements import wrong_elements
 from modallab.effects.accelerometer_mass import AccelerometerMass
 from modallab.effects.density_error import DensityError
