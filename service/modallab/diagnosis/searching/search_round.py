@@ -5,22 +5,20 @@ from contextlib import suppress
 
 import numpy as np
 
-from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
-from modallab.core.place import Members
 from modallab.core.progress import Progress, part, silent
 from modallab.diagnosis.fitting.coarse_fit import coarse_fit
 from modallab.diagnosis.fitting.fit import Fit, fit, with_optional_parameters
 from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import is_noise_only, is_undetermined, ranked_by_bic
+from modallab.diagnosis.searching.imitation import is_imitated
 from modallab.diagnosis.searching.narrower_errors import with_narrower_errors
 from modallab.diagnosis.searching.neighbouring_places import akin_effects, neighbouring_effects
 from modallab.diagnosis.searching.scanning import StartingPoint, scan
 from modallab.diagnosis.searching.search_path import kind_and_place
 from modallab.diagnosis.searching.settings import LOSS, ROUND
 from modallab.diagnosis.searching.suspects import Suspects
-from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect
 
 
@@ -52,7 +50,7 @@ def fit_candidates(
         candidates.accept_best(explains)
     if candidates.explanation is not None:
         explanation, system = candidates.explanation, predictor.system
-        nonlinear = [effect for effect in nonlinear if _is_imitated(effect, explanation, system)]
+        nonlinear = [effect for effect in nonlinear if is_imitated(effect, explanation, system)]
         nonlinear = candidates.rivals_among(nonlinear)
     candidates.examine(nonlinear, part(progress, share, 1.0))
     candidates.fit_limiting_effects()
@@ -285,21 +283,6 @@ class _Round:
 
 def _bic(candidate: Fit) -> float:
     return candidate.bic_between_kinds()
-
-
-def _is_imitated(force: Effect, explanation: Effect, system: DynamicSystem) -> bool:
-    """Return whether a linear explanation may be the linearisation of a nonlinear force at a DoF.
-
-    At the same DoF, at the end of a suspected member, or on the whole structure; never in a channel.
-    """
-    if not explanation.structural or not isinstance(force.at, Dof):
-        return explanation.structural
-    if isinstance(explanation.at, Dof):
-        return explanation.at == force.at
-    if isinstance(explanation.at, Members) and system.members is not None:
-        ends = zip(system.members.numbers, system.members.ends, strict=True)
-        return any(force.at.node in pair for number, pair in ends if number in explanation.at.numbers)
-    return True
 
 
 def _worth_fitting(candidates: Iterable[tuple[float, Effect]]) -> list[tuple[float, Effect]]:
