@@ -103,7 +103,7 @@ class _Round:
         if self.explanation is None and self.fits:
             best = min(self.fits, key=_bic)
             if explains(best):
-                cost, effect = self._candidates[kind_and_place(best.effects[-1])]
+                cost, effect = self._start_of(best)
                 self._max_cost, self.explanation = ROUND.hopeless_cost * cost, effect
 
     def rivals_among(self, forces: Sequence[Effect]) -> list[Effect]:
@@ -180,7 +180,7 @@ class _Round:
         if not n or done or predictor.budget.exhausted:
             return
         self._from_declared.add(name)
-        cost, start = self._candidates.get(name, (np.inf, found.effects[-1]))
+        cost, start = self._start_of(found)
         with suppress(InvalidInputError):
             declared = predictor.with_nuisances_at(np.zeros(n))
             other = fit(declared, (*self._accepted, start), approach=True)
@@ -188,6 +188,10 @@ class _Round:
                 self.fits[self.fits.index(found)] = other
                 if self._explains(other):
                     self._max_cost, self.explanation = ROUND.hopeless_cost * cost, other.effects[-1]
+
+    def _start_of(self, found: Fit) -> tuple[float, Effect]:
+        """Return the cost and the effect of the coarse fit that a fit began at; of a neighbour its own."""
+        return self._candidates.get(kind_and_place(found.effects[-1]), (np.inf, found.effects[-1]))
 
     def _fit_akin_kinds(self) -> None:
         """Fit what acts much as the best effect does, where it touches that, while none explains the test."""
@@ -200,13 +204,12 @@ class _Round:
             if kind_and_place(effect) in self._suspected - self._fitted
         ]
         starts = scan(self._coarse, self._accepted, akin, silent) if akin else []
+        n = len(self.fits)
         for effect, cost in self._approached(starts, silent):
             if not predictor.budget.exhausted and self._is_competitive(cost):
                 self._fit(cost, effect)
-                for found in [
-                    f for f in self.fits if kind_and_place(f.effects[-1]) == kind_and_place(effect)
-                ]:
-                    self._fit_one_from_declared(found)
+        for found in self.fits[n:]:
+            self._fit_one_from_declared(found)
 
     @property
     def _is_budget_spent(self) -> bool:

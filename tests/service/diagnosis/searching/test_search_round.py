@@ -14,6 +14,9 @@ from modallab.core.progress import silent
 from modallab.diagnosis.fitting.coarse_fit import coarse_fit
 from modallab.diagnosis.fitting.covariance import ParameterErrors
 from modallab.diagnosis.fitting.fit import Fit, fit
+from modallab.diagnosis.optimisation.nuisance_parameters import nuisance_parameters
+from modallab.diagnosis.optimisation.nuisances import draw_positions
+from modallab.diagnosis.optimisation.tolerances import TolerancePreset, Tolerances
 from modallab.diagnosis.predicting.prediction_budget import PredictionBudget
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.scanning import StartingPoint, scan
@@ -21,6 +24,7 @@ from modallab.diagnosis.searching.search_round import fit_candidates
 from modallab.diagnosis.searching.suspects import Suspects
 from modallab.effects.attached_oscillator import AttachedOscillator
 from modallab.effects.cubic_stiffness import CubicStiffness
+from modallab.effects.density_error import DensityError
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.ground_spring import GroundSpring
 from modallab.effects.loss_factor_error import LossFactorError
@@ -38,6 +42,58 @@ def test_a_place_that_the_scan_takes_for_its_neighbour_is_found(monkeypatch: pyt
     best, *others = fit_candidates(predictor, fit(predictor, ()), suspects, progress=silent)
     assert best.effects[-1].at == hidden.at
     assert {4, 5, 7} == {f.effects[-1].at.node for f in others if isinstance(f.effects[-1].at, Dof)}
+
+
+def test_a_neighbour_that_the_scan_did_not_list_may_be_the_explanation(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    hidden = ExtraMass(Dof(6, "Y"), 0.1)
+    # a model that is a little wrong everywhere: what is left is more than noise
+    predictor, _ = predicting(draw_measurement(rig(), [StiffnessError(None, 1.005), hidden]))
+    starts = [StartingPoint(ExtraMass(Dof(5, "Y"), 0.08), 0.03)]
+    monkeypatch.setattr(module, "scan", lambda *_: starts)
+    masses = [ExtraMass(Dof(node, "Y")) for node in range(1, 10)]
+    suspects = Suspects([*masses, CubicStiffness(Dof(7, "Y"))])
+    best, *_ = fit_candidates(
+        predictor, fit(predictor, ()), suspects, progress=silent, explains=lambda _: True
+    )
+    assert best.effects[-1].at == hidden.at
+
+
+def test_a_mass_at_the_end_of_the_member_that_is_nearest_to_it_is_fitted(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    hidden = ExtraMass(Dof(6, "Y"), 0.1)
+    predictor, _ = predicting(draw_measurement(rig(), [hidden]))
+    member = DensityError(Members((5,)), 1.3)
+
+    def without_masses_at_first(*given: Any) -> list[StartingPoint]:
+        suspects = given[2]
+        return [StartingPoint(member, 0.03)] if member in suspects else scan(*given)
+
+    monkeypatch.setattr(module, "scan", without_masses_at_first)
+    suspects = Suspects([member, *(ExtraMass(Dof(node, "Y")) for node in range(1, 10))])
+    best, *_ = fit_candidates(predictor, fit(predictor, ()), suspects, progress=silent)
+    assert (best.effects[-1].kind, best.effects[-1].at) == (hidden.kind, hidden.at)
+    assert best.effects[-1].parameters["mass"] == pytest.approx(0.1, rel=0.01)  # noise of 1e-4
+
+
+def test_of_a_model_wrong_everywhere_a_fit_begins_at_the_declared_values_too(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    hidden = ExtraMass(Dof(6, "Y"), 0.05)
+    declared, _ = predicting(draw_measurement(rig(noise=1e-5)))
+    student = Tolerances.preset(TolerancePreset.STUDENT)
+    nuisances = nuisance_parameters(student, declared.system, declared.setup)
+    wrong_everywhere = nuisances.effects(draw_positions(len(nuisances), np.random.default_rng(4)))
+    predictor, _ = predicting(draw_measurement(rig(noise=1e-5), [*wrong_everywhere, hidden], seed=4))
+    predictor = predictor.with_nuisances(nuisances)
+    without = fit(predictor, ())
+
+    monkeypatch.setattr(module, "scan", lambda *_: [StartingPoint(ExtraMass(Dof(6, "Y"), 0.003), 0.03)])
+    found, *_ = fit_candidates(predictor, without, Suspects([ExtraMass(Dof(6, "Y"))]), progress=silent)
+    assert found.chi_square < 1.1 * found.n_data  # 1,900 squares scatter by 3 %
+    assert found.effects[-1].parameters["mass"] == pytest.approx(0.05, rel=0.02)
 
 
 def test_an_error_of_all_members_is_fitted_though_many_single_ones_come_nearer_at_first(
