@@ -29,7 +29,7 @@ class DensityError(Effect):
     stage: ClassVar[Stage] = Stage.STRUCTURE
     tolerance: ClassVar[str | None] = "density"
     structural: ClassVar[bool] = True
-    akin_kinds: ClassVar[tuple[str, ...]] = ("extra_mass",)
+    similar_kinds: ClassVar[tuple[str, ...]] = ("extra_mass",)
     same_in_all_runs: ClassVar[bool] = True
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Members)
     factor: float = parameter(

@@ -28,7 +28,7 @@ class ExtraMass(Effect):
     summary: ClassVar[str] = "mass at one node that the model lacks"
     stage: ClassVar[Stage] = Stage.STRUCTURE
     structural: ClassVar[bool] = True
-    akin_kinds: ClassVar[tuple[str, ...]] = ("density_error",)
+    similar_kinds: ClassVar[tuple[str, ...]] = ("density_error",)
     same_in_all_runs: ClassVar[bool] = True
     allowed_places: ClassVar[tuple[type, ...]] = (Dof,)
     mass: float = parameter(0.05, unit="kg", lower=0.0, upper=10.0, doc="mass at the node")

@@ -36,7 +36,7 @@ class JointFlexibility(Effect):
     summary: ClassVar[str] = "crack or loose joint, flexible in bending"
     stage: ClassVar[Stage] = Stage.STRUCTURE
     structural: ClassVar[bool] = True
-    akin_kinds: ClassVar[tuple[str, ...]] = ("stiffness_error",)
+    similar_kinds: ClassVar[tuple[str, ...]] = ("stiffness_error",)
     same_in_all_runs: ClassVar[bool] = True
     allowed_places: ClassVar[tuple[type, ...]] = (Dof,)
     flexibility: float = parameter(

@@ -28,7 +28,7 @@ class LocalDamping(Effect):
     summary: ClassVar[str] = "damper at one point that the model lacks"
     stage: ClassVar[Stage] = Stage.STRUCTURE
     structural: ClassVar[bool] = True
-    akin_kinds: ClassVar[tuple[str, ...]] = ("loss_factor_error",)
+    similar_kinds: ClassVar[tuple[str, ...]] = ("loss_factor_error",)
     same_in_all_runs: ClassVar[bool] = True
     allowed_places: ClassVar[tuple[type, ...]] = (Dof,)
     damping: float = parameter(

@@ -31,7 +31,7 @@ class LossFactorError(Effect):
     summary: ClassVar[str] = "loss factor of members higher or lower than modelled"
     stage: ClassVar[Stage] = Stage.STRUCTURE
     structural: ClassVar[bool] = True
-    akin_kinds: ClassVar[tuple[str, ...]] = ("local_damping",)
+    similar_kinds: ClassVar[tuple[str, ...]] = ("local_damping",)
     same_in_all_runs: ClassVar[bool] = True
     of_stated_damping: ClassVar[bool] = True
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Members)

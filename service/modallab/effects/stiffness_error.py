@@ -29,7 +29,7 @@ class StiffnessError(Effect):
     stage: ClassVar[Stage] = Stage.STRUCTURE
     tolerance: ClassVar[str | None] = "modulus"
     structural: ClassVar[bool] = True
-    akin_kinds: ClassVar[tuple[str, ...]] = ("joint_flexibility",)
+    similar_kinds: ClassVar[tuple[str, ...]] = ("joint_flexibility",)
     same_in_all_runs: ClassVar[bool] = True
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Members)
     factor: float = parameter(

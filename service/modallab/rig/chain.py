@@ -22,7 +22,7 @@ from modallab.rig.setup import AcquisitionRun, RigSetup
 from modallab.rig.source import NoiseLevels, Source
 
 
-def _forces_on_structure(runs: Sequence[Run], omega: FloatArray, alpha: ComplexArray) -> ComplexArray:
+def forces_on_structure(runs: Sequence[Run], omega: FloatArray, alpha: ComplexArray) -> ComplexArray:
     """Return the forces on the structure per source and per nonlinear force, (n_run, n_freq, n_w, n_w).
 
     Parameters
@@ -133,7 +133,7 @@ class Chain:
         for group in self._groups():
             runs = [self.runs[i] for i in group]
             alpha = self._receptance(runs, omega, top)
-            forces_at_work = _forces_on_structure(runs, omega, alpha)
+            forces_at_work = forces_on_structure(runs, omega, alpha)
             if forces_at_work.shape[-1] == 1:  # one product instead of a matrix product for every line
                 accelerations = alpha * (-(omega**2)[:, None, None] * forces_at_work)
             else:

@@ -58,7 +58,7 @@ class Effect(Parameterised):
     nested_kind: ClassVar[str | None] = None  # kind with fewer parameters, a special case of this one
     of_stated_damping: ClassVar[bool] = False  # True: no suspect where the model's damping is unknown
     linearised_kinds: ClassVar[tuple[str, ...]] = ()  # kinds that its equivalent linearisation is of
-    akin_kinds: ClassVar[tuple[str, ...]] = ()  # kinds much like it at a place that touches its own
+    similar_kinds: ClassVar[tuple[str, ...]] = ()  # kinds much like it at a place that touches its own
     level_dependent: ClassVar[tuple[str, ...]] = ()  # parameters whose size goes with the source's level
     tabulated: ClassVar[bool] = False  # True: a field `table` holds a curve over frequency
     tolerance: ClassVar[str | None] = None  # name of the model tolerance that its first parameter may have

@@ -69,8 +69,8 @@ class SourcePower:
         ff[:, at] = size[:, at, :, None] * self.correlation * size[:, at, None, :]
         return _with_forces(powered, ff)
 
-    def shares_of(self, changes: FloatArray) -> FloatArray:
-        """Return what the fitted power takes up of changes of the logarithms of expected force spectra.
+    def projection(self, changes: FloatArray) -> FloatArray:
+        """Return the projection of changes of logarithms of force spectra on the functions of the power.
 
         Parameters
         ----------

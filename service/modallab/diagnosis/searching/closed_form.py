@@ -9,17 +9,8 @@ from modallab.rig.channel import Channel
 from modallab.rig.effect import Effect
 from modallab.rig.run import Run
 
-HOOKS = (
-    "on_run",
-    "on_system",
-    "on_motion",
-    "on_drive",
-    "on_channel",
-    "on_noise",
-    "on_source",
-    "on_spectra",
-    "on_records",
-)
+HOOKS = tuple(name for name in vars(Effect) if name.startswith("on_"))
+"""Methods by which an effect acts on a test."""
 
 
 def changes_frfs_alone(effect: Effect) -> bool:

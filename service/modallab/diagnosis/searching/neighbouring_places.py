@@ -35,8 +35,8 @@ def neighbouring_effects(effect: Effect, system: DynamicSystem) -> list[Effect]:
     return [replace(effect, at=place) for place in places]
 
 
-def akin_effects(effect: Effect, system: DynamicSystem, setup: RigSetup) -> list[Effect]:
-    """Return the effects of its akin kinds at places that touch an effect's place, with typical parameters.
+def similar_effects(effect: Effect, system: DynamicSystem, setup: RigSetup) -> list[Effect]:
+    """Return effects of similar kinds at the places that touch an effect's place, with typical parameters.
 
     A node touches the members that end there.
     """
@@ -51,5 +51,5 @@ def akin_effects(effect: Effect, system: DynamicSystem, setup: RigSetup) -> list
             {end for number in place.numbers for end in ends[number]} if isinstance(place, Members) else set()
         )
 
-    akin = [EFFECTS[kind] for kind in effect.akin_kinds]
-    return [cls(at=at) for cls in akin for at in cls.places(system, setup) if nodes(at) & nodes(effect.at)]
+    similar = [EFFECTS[kind] for kind in effect.similar_kinds]
+    return [cls(at=at) for cls in similar for at in cls.places(system, setup) if nodes(at) & nodes(effect.at)]

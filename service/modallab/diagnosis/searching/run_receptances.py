@@ -1,7 +1,7 @@
 """Receptances of the runs of a test, from which structural modifications follow in closed form."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -19,7 +19,7 @@ from modallab.diagnosis.searching.closed_form import (
 from modallab.fe.attachment import Attachment
 from modallab.fe.receptance import attached, solve_small
 from modallab.fe.receptance_map import ReceptanceMap
-from modallab.rig.drive import Drive, transmission
+from modallab.rig.chain import forces_on_structure
 from modallab.rig.effect import Effect
 from modallab.rig.run import Run
 from modallab.rig.settings import CHAIN
@@ -135,18 +135,9 @@ class RunReceptances:
         if not changes_drives_alone(variants[0]):
             return None
 
-        equal = all(run.drives == self._runs[0].drives for run in self._runs)
-
         def powers(effect: Effect | None) -> FloatArray:
-            force = [
-                transmission(_drives_with(effect, run), self.omega, alpha)
-                for run, alpha in (
-                    [(self._runs[0], self._at_drives)]
-                    if equal
-                    else zip(self._runs, self._at_drives[:, None], strict=True)
-                )
-            ]
-            power = (np.abs(np.concatenate(force)) ** 2).sum(axis=3)
+            runs = self._runs if effect is None else [_with_exciters_of(effect, run) for run in self._runs]
+            power = (np.abs(forces_on_structure(runs, self.omega, self._at_drives)) ** 2).sum(axis=3)
             return np.asarray(np.moveaxis(power, 0, 1).reshape(len(self.omega), -1))
 
         unmodified = powers(None)
@@ -229,15 +220,14 @@ class RunReceptances:
         return alpha, within
 
 
-def _drives_with(effect: Effect | None, run: Run) -> tuple[Drive, ...]:
-    return run.drives if effect is None else tuple(effect.on_drive(drive) for drive in run.drives)
+def _with_exciters_of(effect: Effect, run: Run) -> Run:
+    return replace(run, drives=tuple(effect.on_drive(drive) for drive in run.drives))
 
 
 def _concerns(effect: Effect, run: Run) -> bool:
     """Return whether an effect may act in a run: one of channels in those that measure them."""
-    if not isinstance(effect.at, Channels):
-        return True
-    return bool({dof.point for dof in run.acquisition_run.outputs} & set(effect.at.points))
+    measured = run.acquisition_run.outputs
+    return not isinstance(effect.at, Channels) or any(effect.acts_on(dof) for dof in measured)
 
 
 def _solution_groups(runs: Sequence[Run]) -> list[Sequence[Run]]:

@@ -14,7 +14,7 @@ from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import is_noise_only, is_undetermined, ranked_by_bic
 from modallab.diagnosis.searching.imitation import is_imitated
 from modallab.diagnosis.searching.narrower_errors import with_narrower_errors
-from modallab.diagnosis.searching.neighbouring_places import akin_effects, neighbouring_effects
+from modallab.diagnosis.searching.neighbouring_places import neighbouring_effects, similar_effects
 from modallab.diagnosis.searching.scanning import StartingPoint, scan
 from modallab.diagnosis.searching.search_path import kind_and_place
 from modallab.diagnosis.searching.settings import LOSS, ROUND
@@ -96,7 +96,7 @@ class _Round:
         self._fit_from_declared()
         self._fit_neighbours()
         self._fit_from_declared()
-        self._fit_akin_kinds()
+        self._fit_similar_kinds()
 
     def accept_best(self, explains: Callable[[Fit], bool]) -> None:
         """Take the best fit for the explanation if it is one, unless there is one already."""
@@ -193,17 +193,17 @@ class _Round:
         """Return the cost and the effect of the coarse fit that a fit began at; of a neighbour its own."""
         return self._candidates.get(kind_and_place(found.effects[-1]), (np.inf, found.effects[-1]))
 
-    def _fit_akin_kinds(self) -> None:
+    def _fit_similar_kinds(self) -> None:
         """Fit what acts much as the best effect does, where it touches that, while none explains the test."""
         if not self.fits or self.explanation is not None:
             return
         predictor, best = self._predictor, min(self.fits, key=_bic)
-        akin = [
+        similar = [
             effect
-            for effect in akin_effects(best.effects[-1], predictor.system, predictor.setup)
+            for effect in similar_effects(best.effects[-1], predictor.system, predictor.setup)
             if kind_and_place(effect) in self._suspected - self._fitted
         ]
-        starts = scan(self._coarse, self._accepted, akin, silent) if akin else []
+        starts = scan(self._coarse, self._accepted, similar, silent) if similar else []
         n = len(self.fits)
         for effect, cost in self._approached(starts, silent):
             if not predictor.budget.exhausted and self._is_competitive(cost):

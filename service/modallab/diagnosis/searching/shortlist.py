@@ -17,7 +17,7 @@ from modallab.diagnosis.searching.modification_screen import ModificationScreen
 from modallab.diagnosis.searching.robust_cost import RobustCost, line_minimum_fraction
 from modallab.diagnosis.searching.settings import LOSS, SCAN, SHORTLIST
 from modallab.diagnosis.searching.starting_values import (
-    about_minima,
+    near_minima,
     scan_sizes,
     smallest_amounts,
     with_amount_scaled,
@@ -172,7 +172,7 @@ def _likely_sizes(screen: ModificationScreen, sizes: list[Effect], cost: RobustC
     if len(sizes) <= SHORTLIST.max_sizes or (vectors := screen.residuals(sizes)) is None:
         return sizes
     costs = cost.of(vectors)
-    chosen = {i for by_value in costs.T for i in about_minima(sizes, by_value)}
+    chosen = {i for by_value in costs.T for i in near_minima(sizes, by_value)}
     return [sizes[i] for i in sorted(chosen)]
 
 

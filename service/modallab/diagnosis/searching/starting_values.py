@@ -67,7 +67,7 @@ def local_minima(sizes: Sequence[Effect], costs: FloatArray) -> list[int]:
     return [by_amount[i] for i in places]
 
 
-def about_minima(sizes: Sequence[Effect], costs: FloatArray) -> list[int]:
+def near_minima(sizes: Sequence[Effect], costs: FloatArray) -> list[int]:
     """Return the indices of values at local minima, as `local_minima`, and of those beside them."""
     by_amount, places = _minima_by_amount(sizes, costs)
     beside = {i + step for i in places for step in (-1, 0, 1)}

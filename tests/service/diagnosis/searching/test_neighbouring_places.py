@@ -4,7 +4,7 @@ import pytest
 
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members, Place
-from modallab.diagnosis.searching.neighbouring_places import akin_effects, neighbouring_effects
+from modallab.diagnosis.searching.neighbouring_places import neighbouring_effects, similar_effects
 from modallab.effects.density_error import DensityError
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.gain_error import GainError
@@ -42,7 +42,7 @@ def test_they_share_a_member_or_a_node(effect: Effect, places: list[Place]) -> N
     ],
     ids=str,
 )
-def test_akin_kinds_touch_a_place(effect: Effect, kind: str, places: list[Place]) -> None:
-    found = akin_effects(effect, beam_system(), rig())
-    assert [akin.at for akin in found if akin.kind == kind] == places
-    assert all(akin.kind == kind for akin in found)
+def test_similar_kinds_touch_a_place(effect: Effect, kind: str, places: list[Place]) -> None:
+    found = similar_effects(effect, beam_system(), rig())
+    assert [similar.at for similar in found if similar.kind == kind] == places
+    assert all(similar.kind == kind for similar in found)

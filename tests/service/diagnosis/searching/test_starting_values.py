@@ -1,6 +1,6 @@
 import numpy as np
 
-from modallab.diagnosis.searching.starting_values import about_minima, local_minima
+from modallab.diagnosis.searching.starting_values import local_minima, near_minima
 from modallab.effects.cable_mass import CableMass
 from modallab.effects.exciter_armature import ExciterArmature
 from modallab.effects.polarity import Polarity
@@ -29,4 +29,4 @@ def test_what_has_no_number_has_one_size() -> None:
 
 def test_beside_each_minimum_are_the_next_amounts() -> None:
     sizes: list[Effect] = [ExciterArmature(mass=m) for m in (0.01, 0.02, 0.04, 0.08, 0.16, 0.32, 0.64)]
-    assert about_minima(sizes, np.array([2.0, 3.0, 2.5, 2.4, 2.3, 2.2, 2.6])) == [0, 1, 4, 5, 6]
+    assert near_minima(sizes, np.array([2.0, 3.0, 2.5, 2.4, 2.3, 2.2, 2.6])) == [0, 1, 4, 5, 6]
