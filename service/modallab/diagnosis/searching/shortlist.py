@@ -88,12 +88,12 @@ def shortlist(
         if _is_of_channels(suspect, observed) and not _concerns(suspect, worst, untested):
             continue
         sizes = scan_sizes(suspect, suspect.scan_values(predictor.system, predictor.setup))
-        place = (
-            _screened(screen, sizes, cost, start) if isinstance(suspect.at, Dof | Dofs | Members) else None
-        )
+        # Of an exciter's resonance many values compete, at a drive point too.
+        located = isinstance(suspect.at, Dof | Dofs | Members) and suspect.stage is not Stage.DRIVE
+        place = _screened(screen, sizes, cost, start) if located else None
         if place is not None:
             screened.setdefault(suspect.kind, []).append(place)
-        elif isinstance(suspect.at, Dof):
+        elif located and isinstance(suspect.at, Dof):
             linearised = _linearised(screen, suspect, prediction.predictor, cost, start)
             unscreened.setdefault(suspect.kind, []).append(_UnscreenedPlace(sizes, linearised))
         else:

@@ -140,6 +140,7 @@ def test_measured_places_of_a_nonlinear_force_are_predicted_and_others_by_its_li
     [
         (MountedResonance(Channels((Dof(5, "Y"),)), 260.0, 0.05), "frequency"),
         (StingerAxial(None, 3.3e4, 0.05), "stiffness"),
+        (StingerAxial(Dof(1, "Y"), 3.3e4, 0.05), "stiffness"),
     ],
 )
 def test_of_a_scan_for_a_resonance_the_values_about_its_minima_are_listed(hidden: Effect, name: str) -> None:
@@ -148,5 +149,6 @@ def test_of_a_scan_for_a_resonance_the_values_about_its_minima_are_listed(hidden
     values = np.array([effect.parameters[name] for effect in place.sizes])
     # a step of 1.5 % of the frequency is one of 3 % of the stiffness
     assert np.abs(values / hidden.parameters[name] - 1).min() < 0.04
+    assert len(values) > 3  # not the best of each noise inflation alone
     system, setup = prediction.predictor.system, prediction.predictor.tests[0].setup
     assert len(values) < len(scan_sizes(hidden, hidden.scan_values(system, setup))) / 2
