@@ -69,7 +69,7 @@ class SourcePower:
         ff[:, at] = size[:, at, :, None] * self.correlation * size[:, at, None, :]
         return _with_forces(powered, ff)
 
-    def projection(self, changes: FloatArray) -> FloatArray:
+    def project(self, changes: FloatArray) -> FloatArray:
         """Return the projection of changes of logarithms of force spectra on the functions of the power.
 
         Parameters

@@ -110,7 +110,7 @@ class ModificationScreen:
             return None
         logarithms = np.log(ratios)
         if self._observed.free_levels.source and power is not None:
-            logarithms -= power.projection(logarithms)
+            logarithms -= power.project(logarithms)
         changes = -logarithms / np.sqrt(residual.force_variance)
         changes = changes[:, residual.mask_of("force", self._observed.fitted)]
         vectors = np.tile(self.unmodified, (len(variants), 1))
