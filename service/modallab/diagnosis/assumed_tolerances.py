@@ -2,9 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import compress
 
 import numpy as np
-from scipy.special import chdtri
+from scipy.special import chdtr, chdtri
 
 from modallab.diagnosis.fitting.fit import Fit, fit, with_optional_parameters
 from modallab.diagnosis.fitting.settings import FIT
@@ -110,3 +111,21 @@ def deviate_far(nuisances: Nuisances, found: Fit, stated: Tolerances) -> bool:
     cost = found.cost_per_parameter / found.correlation_length
     by_chance = chdtri(max(len(squares), 1), DIAGNOSIS.deviation_probability)
     return bool(squares[of_rig_or_model].sum() > cost or squares.sum() > by_chance)
+
+
+def deviates_alone(nuisances: Nuisances, found: Fit, stated: Tolerances) -> bool:
+    """Return whether one assumed tolerance deviates and the others less than a model within them would.
+
+    A model that is exact elsewhere has an effect there rather than a deviation. Only deviations that the
+    data determine count.
+    """
+    determined = found.nuisance_errors < DIAGNOSIS.determined_error
+    squares: dict[str, list[float]] = {}
+    for nuisance, square in zip(
+        compress(nuisances.parameters, determined), found.nuisance_position[determined] ** 2, strict=True
+    ):
+        if nuisance.name not in stated.stated:
+            squares.setdefault(nuisance.name, []).append(float(square))
+    remaining = sorted(squares.values(), key=max)[:-1]
+    n, total = sum(map(len, remaining)), sum(map(sum, remaining))
+    return n > 0 and bool(chdtr(n, total) < DIAGNOSIS.deviation_probability)

@@ -9,6 +9,7 @@ from modallab.core.errors import InvalidInputError
 from modallab.core.progress import Progress, Pulse, part
 from modallab.diagnosis.assumed_tolerances import (
     deviate_far,
+    deviates_alone,
     explains_more,
     may_hide_effects,
     refitted_path,
@@ -73,8 +74,8 @@ class SearchTask:
 
         The stated tolerances come first: a model that is exact loses nothing by those assumed. They are not
         searched further where the assumed ones leave random error alone, beside one effect at most. If
-        the nuisance parameters then deviate far, a single effect that leaves random error alone under the
-        stated tolerances is preferred.
+        the nuisance parameters then deviate far, or one tolerance alone, a single effect that leaves random
+        error alone under the stated tolerances is preferred.
         """
         pulse(0.0, "predicting the tests from model and log book")
         first = self._start(stated, pulse)
@@ -82,7 +83,7 @@ class SearchTask:
             return self._search_from(first, self.max_effects, pulse), None
         second = self._start(assumed, pulse)
         nothing_missing = is_noise_only(second.predictor, second.path.fit)
-        if nothing_missing and not deviate_far(second.predictor.nuisances, second.path.fit, stated):
+        if nothing_missing and not _suggest_effect(second, stated):
             return self._search_from(second, 1, pulse), assumed
         # A search for one effect that explains nothing ends before half of its progress.
         single_effects = self._first_round(first, second, part(pulse, 0.05, 0.25))
@@ -238,6 +239,12 @@ class SearchTask:
     def _suspects(self, predictor: Predictor) -> Suspects:
         least_suspicion = DIAGNOSIS.least_suspicion if self.suspects is None else 0.0
         return Suspects(suspected(predictor, self.suspects), least_suspicion)
+
+
+def _suggest_effect(second: SearchResult, stated: Tolerances) -> bool:
+    """Return whether deviations within assumed tolerances make an effect likelier."""
+    nuisances, found = second.predictor.nuisances, second.path.fit
+    return deviate_far(nuisances, found, stated) or deviates_alone(nuisances, found, stated)
 
 
 def _explains_frfs(found: SearchResult) -> bool:

@@ -16,8 +16,14 @@ class DiagnosisSettings(Settings):
     )
     deviation_probability: float = setting(
         1e-3,
-        doc="probability by chance of all nuisance parameters' deviations, below which an effect is likelier",
+        doc="probability by chance of deviations as large, or as small, below which an effect is likelier",
         derived="3 sigma: one model in a thousand is searched in vain",
+    )
+    determined_error: float = setting(
+        0.3,
+        unit="standard deviations of the tolerance",
+        doc="standard error below which the data determine a deviation",
+        derived="a deviation of one standard deviation is then three standard errors",
     )
     max_equivalent_effects: int = setting(
         3, unit="effects", doc="equivalent effects listed with a step", derived="legibility"

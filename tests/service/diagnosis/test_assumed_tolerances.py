@@ -88,9 +88,21 @@ def test_an_effect_is_not_hidden_by_several_deviations_of_an_assumed_tolerance()
 
 
 def test_a_deviation_within_an_assumed_tolerance_is_no_effect() -> None:
-    found = diagnosed(StiffnessError(None, 1.01))
+    """A modulus 0.7 % off beside others of their usual size."""
+    found = diagnosed(UNEVEN, StiffnessError(None, 1.007))
     assert found.verdict is Verdict.NOTHING_MISSING
     assert found.tolerated
+
+
+def test_a_deviation_within_an_assumed_tolerance_is_an_effect_of_a_model_that_is_exact_elsewhere() -> None:
+    """Loss factors that are assumed within 20 % are right within 0.2 %: so would the modulus be."""
+    found = diagnosed(StiffnessError(None, 0.98))
+    assert found.verdict is Verdict.EXPLAINED
+    (step,) = found.steps
+    assert (step.effect.kind, step.effect.at) == ("stiffness_error", None)
+    factor = step.effect.parameters["factor"]
+    assert abs(factor.value - 0.98) < 4 * factor.standard_error  # four standard errors
+    assert not found.tolerated
 
 
 def test_an_effect_beside_it_is_named() -> None:

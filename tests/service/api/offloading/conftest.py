@@ -15,7 +15,6 @@ from modallab.api.offloading.settings import OFFLOADING
 from modallab.api.settings import ServiceSettings
 from modallab.jobs.inline import InlineRunner
 
-
 # Other tests fill the cores: on such a machine a process took 17 s to start, and 8 s to answer.
 PATIENT = replace(OFFLOADING, start_seconds=300.0, seconds=300.0, waiting_seconds=300.0)
 
