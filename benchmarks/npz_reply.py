@@ -11,8 +11,9 @@ from starlette.responses import Response
 
 from benchmarks.bench import Bench
 from benchmarks.timing import ratio
-from modallab.api.app import create_app, job_book
+from modallab.api.app import create_app
 from modallab.api.deps import IdPath, StoreDep
+from modallab.api.runners import job_book
 from modallab.api.settings import ServiceSettings
 from modallab.core.dof import Dof
 from modallab.core.frf import FrfKind, FrfSet

@@ -3,8 +3,9 @@
 import tempfile
 from pathlib import Path
 
-from modallab.api.app import create_app, job_book
+from modallab.api.app import create_app
 from modallab.api.document import written
+from modallab.api.runners import job_book
 from modallab.api.settings import ServiceSettings
 from modallab.jobs.inline import InlineRunner
 

@@ -27,7 +27,8 @@ from schemathesis.checks import not_a_server_error
 from schemathesis.generation import GenerationMode
 from schemathesis.specs.openapi import checks
 
-from modallab.api.app import create_app, job_book
+from modallab.api.app import create_app
+from modallab.api.runners import job_book
 from modallab.api.settings import ServiceSettings
 from modallab.jobs.inline import InlineRunner
 from tests.databases import DATABASES, database

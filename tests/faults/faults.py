@@ -2,8 +2,9 @@
 
 import signal
 import sqlite3
+import subprocess
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import closing
 
 from modallab.jobs.settings import JOB
@@ -45,15 +46,34 @@ def one_host_killed(site: Site) -> None:
     site.hosts[0].wait()
 
 
+def at_work(processes: Sequence[int]) -> list[int]:
+    """Return the processes that are still at work some seconds later."""
+    living: list[int] = []
+    for _ in range(50):
+        listed = subprocess.run(
+            ["ps", "-o", "pid=,stat=", "-p", ",".join(map(str, processes)) or "0"],
+            capture_output=True,
+            text=True,
+        )
+        found = [line.split() for line in listed.stdout.splitlines()]
+        living = [int(pid) for pid, state in found if not state.startswith("Z")]
+        if not living:
+            break
+        time.sleep(0.1)
+    return living
+
+
 def hosts_replaced(site: Site) -> None:
     """End each host politely once another stands beside it: a rolling restart with new names."""
     for host in list(site.hosts):
         if site.gate:
             site.start_host()
+        children = site.children()
         host.send_signal(signal.SIGTERM)
         begin = time.monotonic()
         host.wait(60)
         assert time.monotonic() - begin < POLITE_END, "a host took long to end"
+        assert site.gate or not at_work(children), "a worker process outlives its host"
         site.hosts.remove(host)
         if not site.gate:
             site.start_host()

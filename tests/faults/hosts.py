@@ -51,6 +51,8 @@ class Pair:
     settings: ServiceSettings
     """As the database server's own machine reaches it."""
     asked: Question
+    limit: float
+    """s within which each job has to end."""
     jobs: int = 0
     """Measurements that were asked for."""
 
@@ -63,9 +65,13 @@ class Pair:
         self.jobs += 1
         return self.asked.start(lab)
 
+    def result(self, lab: Lab, job: str) -> object:
+        """Return what a job finds, as a host tells it."""
+        return self.asked.result(lab, job, self.limit)
+
     def undisturbed(self) -> object:
         """Return what the job finds."""
-        return self.asked.result(self.hosts[0].lab, self.start(self.hosts[0].lab))
+        return self.result(self.hosts[0].lab, self.start(self.hosts[0].lab))
 
     def runner(self, job: str) -> Host:
         """Return the host that has a job."""
@@ -117,7 +123,7 @@ def asked_of(lab: Lab) -> Question:
 
 
 @contextmanager
-def pair(data: Path) -> Iterator[Pair]:
+def pair(data: Path, limit: float = LIMIT) -> Iterator[Pair]:
     """Yield two hosts with a service and a worker each."""
     with ExitStack() as stack:
         links = stack.enter_context(network())
@@ -135,13 +141,13 @@ def pair(data: Path) -> Iterator[Pair]:
             lab.wait_until_up()
             hosts.append(Host(name, link, lab))
         settings = ServiceSettings(data=data, database_url=url, database_schema=_SCHEMA)
-        found = Pair(hosts, settings, asked_of(hosts[0].lab))
+        found = Pair(hosts, settings, asked_of(hosts[0].lab), limit)
         for host in hosts:
-            until(partial(found.beat, host), "a worker starts")
+            until(partial(found.beat, host), "a worker starts", limit)
         yield found
 
 
-def until(condition: Callable[[], object], what: str, limit: float = LIMIT) -> float:
+def until(condition: Callable[[], object], what: str, limit: float) -> float:
     """Return the seconds until a condition holds."""
     begin = time.monotonic()
     while not condition():
@@ -177,14 +183,14 @@ def cut_off(place: Pair, cut: Cut, fraction: float) -> Outcome:
         with cut(lost.link):
             if left.lab.json("GET", f"/jobs/{job}")["state"] == "succeeded":
                 continue  # the machine was too busy to cut in time
-            found = place.asked.result(left.lab, job)
+            found = place.result(left.lab, job)
             seconds = time.monotonic() - begin
             assert place.runner(job) is left
         back = returned(place, lost)
         with cut(left.link):
-            again = place.asked.result(lost.lab, place.start(lost.lab))
+            again = place.result(lost.lab, place.start(lost.lab))
         returned(place, left)
-        until(lambda: place.unfinished() == (0, 0), "book and engine agree")
+        until(lambda: place.unfinished() == (0, 0), "book and engine agree", place.limit)
         return Outcome(lost.name, found, seconds, back, again)
     raise TimeoutError(f"none of {TRIES} jobs lasted until its host was cut off")
 
@@ -192,7 +198,7 @@ def cut_off(place: Pair, cut: Cut, fraction: float) -> Outcome:
 def returned(place: Pair, host: Host) -> float:
     """Return the seconds until a host whose link was mended shows that it lives."""
     before = place.beat(host)
-    return until(lambda: place.beat(host) not in (None, before), "the host is back")
+    return until(lambda: place.beat(host) not in (None, before), "the host is back", place.limit)
 
 
 def main() -> None:

@@ -7,12 +7,9 @@ import pytest
 
 from tests.faults.__main__ import disturbed
 from tests.faults.faults import FAULTS
-from tests.faults.site import Question, Site, questions, site
+from tests.faults.site import BESIDE_OTHERS, Question, Site, questions, site
 
 LONG = ("away for 45 s", "away for 120 s")  # `python -m tests.faults` has these too
-# The limit of `python -m tests.faults` is 60 s. Here other tests fill both cores, at a higher priority than
-# any job has: an update of 5 s was at a fifth of its iterations after 60 s.
-BESIDE_OTHERS = 240.0  # s
 Ready = tuple[Site, list[Question], list[object]]
 
 
@@ -43,3 +40,8 @@ def test_book_and_engine_agree_in_the_end(ready: Ready) -> None:
     while ready[0].unfinished() != (0, 0) and time.monotonic() < end:
         time.sleep(0.2)
     assert ready[0].unfinished() == (0, 0)
+
+
+def test_every_result_is_stored_once_and_whole(ready: Ready) -> None:
+    """What the questions need is stored beside the results of jobs, and nothing else."""
+    assert ready[0].not_results() == {"structure": 3, "rig": 1, "modal_model": 1, "part": 0}

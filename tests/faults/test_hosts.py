@@ -7,6 +7,7 @@ import pytest
 
 from tests.faults.hosts import CUTS, Pair, cut_off, pair
 from tests.faults.network import lacking
+from tests.faults.site import BESIDE_OTHERS
 
 
 @pytest.fixture(scope="module")
@@ -14,7 +15,7 @@ def two_hosts(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Pair]:
     """Two hosts that share a database server and a folder."""
     if (reason := lacking()) is not None:
         pytest.skip(f"NO HOST CUT OFF: {reason}")
-    with pair(Path(tmp_path_factory.mktemp("hosts"))) as place:
+    with pair(Path(tmp_path_factory.mktemp("hosts")), BESIDE_OTHERS) as place:
         yield place
 
 

@@ -4,8 +4,8 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
 
-from anyio import to_thread
 from fastapi import APIRouter, Depends, FastAPI
+from fastapi.responses import JSONResponse
 
 import modallab
 from modallab.api import about, catalog, classes, document, jobs, keys, limit_list, problems, sessions, trash
@@ -25,13 +25,11 @@ from modallab.api.operations import Operations, check_request
 from modallab.api.page import router as page
 from modallab.api.projects import router as projects
 from modallab.api.rigs import router as rigs
+from modallab.api.runners import durable_runner
 from modallab.api.settings import ServiceSettings
 from modallab.api.structures import router as structures
 from modallab.api.studies import router as studies
 from modallab.api.updates import router as updates
-from modallab.jobs.book import JobBook
-from modallab.jobs.durable import DurableRunner
-from modallab.jobs.retention import Retention
 from modallab.jobs.runner import JobRunner
 from modallab.store.assignments import AssignmentBook
 from modallab.store.classes import ClassBook
@@ -51,26 +49,6 @@ class Lab(FastAPI):
         return self.openapi_schema
 
 
-def job_book(settings: ServiceSettings) -> JobBook:
-    """Return the book of jobs that the settings name."""
-    return JobBook(
-        engine_of(settings.store_place), queue_length=settings.queue_length, quotas=settings.queue_quotas
-    )
-
-
-def durable_runner(settings: ServiceSettings) -> DurableRunner:
-    """Return the runner that the settings name; with role `api` it only submits."""
-    book = job_book(settings)
-    return DurableRunner(
-        book,
-        settings.store_place,
-        settings.job_place,
-        executor_id=settings.executor_id,
-        runs=settings.role == "all",
-        retention=Retention(book, settings.store_place, settings.retention_days),
-    )
-
-
 def create_app(
     settings: ServiceSettings, runner: JobRunner | None = None, processes: RequestProcesses | None = None
 ) -> FastAPI:
@@ -86,8 +64,7 @@ def create_app(
     chosen = durable_runner(settings) if runner is None else runner
 
     @asynccontextmanager
-    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        await to_thread.run_sync(app.openapi)  # no request waits for the document that it is checked with
+    async def lifespan(_: FastAPI) -> AsyncIterator[None]:
         async with chosen:
             yield
             if processes is not None:
@@ -97,12 +74,13 @@ def create_app(
         title="modallab",
         version=modallab.__version__,
         lifespan=lifespan,
+        openapi_url=None,  # FastAPI's makes all others wait for the document
         docs_url=None,  # FastAPI's loads from another host
         redoc_url=None,
         generate_unique_id_function=document.operation_id,
     )
     app.state.processes = processes
-    app.state.operations = Operations(app.openapi)
+    app.state.operations = Operations(app.routes, app.openapi)
     app.state.settings, app.state.store, app.state.jobs = settings, open_store(settings.store_place), chosen
     app.state.keys = KeyBook(engine_of(settings.store_place))
     app.state.classes = ClassBook(engine_of(settings.store_place), app.state.keys)
@@ -121,6 +99,7 @@ def create_app(
     app.add_middleware(BodyLimit, json=settings.body_limit, upload=settings.upload_limit)
     metrics = Metrics(settings.store_place)
     app.add_middleware(Measured, metrics=metrics)
+    app.add_api_route("/openapi.json", app.openapi, include_in_schema=False, response_class=JSONResponse)
     app.add_api_route("/metrics", metrics.reply, include_in_schema=False, dependencies=[OPERATORS])
     app.add_middleware(RequestId)
     return app

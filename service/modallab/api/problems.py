@@ -4,6 +4,7 @@ import math
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
+from functools import partial
 from typing import Any
 
 import structlog
@@ -195,9 +196,9 @@ def _faults(request: Request, error: RequestValidationError) -> list[Fault]:
     inside = [fault | {"loc": fault["loc"][1:]} for fault in errors if fault["loc"][0] == "body"]
     outside = [fault for fault in errors if fault["loc"][0] != "body"]
     operations: Operations = request.app.state.operations
-    operation = operations.of(request)
-    return faults(inside, error.body, ("body",), operation.body_names) + faults(
-        outside, None, (), lambda _: sorted(operation.query)
+    query = sorted(operations.of(request).query)
+    return faults(inside, error.body, ("body",), partial(operations.body_names, request)) + faults(
+        outside, None, (), lambda _: query
     )
 
 

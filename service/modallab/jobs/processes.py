@@ -6,6 +6,7 @@ is done, and a short job is done while a long one goes on.
 """
 
 import asyncio
+import gc
 import math
 import os
 from collections.abc import Callable, Coroutine
@@ -56,7 +57,8 @@ class WorkerProcesses:
         async with self._long if lane is Lane.LONG else nullcontext(), self._limiter:
             while True:
                 # A process that is cancelled while it starts is left behind (agronholm/anyio#1337).
-                start = to_process.run_sync(os.getpid, limiter=self._unlimited)
+                # It then imports what the work needs: garbage is not collected meanwhile.
+                start = to_process.run_sync(gc.disable, limiter=self._unlimited)
                 await asyncio.shield(_tracked(start, self._starting))
                 call = partial(_at_priority, lane, work)
                 done = await to_process.run_sync(call, cancellable=True, limiter=self._unlimited)
@@ -85,6 +87,7 @@ def _at_priority(lane: Lane, work: Callable[[], Outcome]) -> tuple[Outcome] | No
     if missing < 0:
         return None
     os.nice(missing)
+    gc.enable()
     with answers_apart():
         return (work(),)
 

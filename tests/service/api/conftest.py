@@ -10,7 +10,8 @@ import pytest
 from anyio.from_thread import BlockingPortal, start_blocking_portal
 from fastapi import FastAPI
 
-from modallab.api.app import create_app, job_book
+from modallab.api.app import create_app
+from modallab.api.runners import job_book
 from modallab.api.settings import ServiceSettings
 from modallab.jobs import sealing
 from modallab.jobs.inline import InlineRunner

@@ -7,7 +7,8 @@ import httpx
 import pytest
 from anyio.from_thread import start_blocking_portal
 
-from modallab.api.app import create_app, job_book
+from modallab.api.app import create_app
+from modallab.api.runners import job_book
 from modallab.api.settings import ServiceSettings
 from modallab.jobs.inline import InlineRunner
 from modallab.store.keys import Role

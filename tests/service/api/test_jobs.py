@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from modallab.api.app import job_book
+from modallab.api.runners import job_book
 from modallab.jobs.runner import QueueFullError
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from modallab.api.app import job_book
+from modallab.api.runners import job_book
 from modallab.jobs.destination import Destination
 from modallab.jobs.diagnosing import DiagnosisInputs, FurtherTest
 from modallab.jobs.retention import Retention

@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 from anyio import to_thread
 
-from modallab.api.app import job_book
 from modallab.api.limits import JOB_STREAM
+from modallab.api.runners import job_book
 from modallab.store.keys import Role
 from modallab.store.viewer import EVERYONE
 from tests.service.api.authorisation import BEAM, RIG, School, open_school

@@ -8,10 +8,11 @@ from typing import Any
 import pytest
 from anyio.from_thread import start_blocking_portal
 
-from modallab.api.app import create_app, job_book
+from modallab.api.app import create_app
 from modallab.api.offloading import processes
 from modallab.api.offloading.processes import RequestProcesses
 from modallab.api.offloading.settings import OFFLOADING
+from modallab.api.runners import job_book
 from modallab.api.settings import ServiceSettings
 from modallab.jobs.inline import InlineRunner
 

@@ -123,7 +123,7 @@ def test_the_same_request_at_once_is_answered_once(offloading: Any, plate: str, 
 def test_who_finds_no_process_free_comes_again(
     offloading: Any, plate: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(processes, "OFFLOADING", replace(processes.OFFLOADING, waiting_seconds=0.05))
+    monkeypatch.setattr(processes, "OFFLOADING", replace(OFFLOADING, waiting_seconds=0.05))
     free = offloading.app.state.processes._free
     offloading._portal.call(free.acquire)
     try:
@@ -138,7 +138,7 @@ def test_who_waits_too_long_on_a_busy_machine_comes_again(
     offloading: Any, plate: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with monkeypatch.context() as patch:
-        patch.setattr(processes, "OFFLOADING", replace(processes.OFFLOADING, seconds=0.01))
+        patch.setattr(processes, "OFFLOADING", replace(OFFLOADING, seconds=0.01))
         reply = offloading.request("GET", f"/v1/structures/{plate}/modes")
     assert (reply.status_code, reply.json()["code"]) == (503, "busy")
     assert offloading.request("GET", f"/v1/structures/{plate}/modes").status_code == 200
