@@ -23,10 +23,10 @@ check: setup ## format, lint, types, floors, known vulnerabilities
 	.ci/audit $(BIN)/pip-audit
 
 # Some of the tests start processes, hundreds in all: what they import is compiled once, not by each of them.
-# Tests wait for such processes a third of their time, so that two cores serve three workers.
+# Half of the tests wait for such processes half of their time, so that two cores serve four workers.
 test: export PYTHONDONTWRITEBYTECODE :=
 test: setup ## the whole test suite, with branch coverage
-	$(BIN)/python -m slipcover --json --out coverage.json -m pytest -n 3 --dist loadfile --no-loadscope-reorder $(if $(CI),--durations=25)
+	$(BIN)/python -m slipcover --json --out coverage.json -m pytest -n 4 --dist loadfile --no-loadscope-reorder $(if $(CI),--durations=25)
 	$(BIN)/python -m slipcover --merge coverage.json --out coverage.json --fail-under 95
 
 demo: setup ## chapter 5 of the thesis and a diagnosis, through HTTP
