@@ -22,19 +22,25 @@ SHARES = "shares"
 # Jobs go on only under the version they were queued under. It names the shape of the workflow
 # below, not of modallab: an upgrade must not strand the jobs that wait.
 VERSION = "1"
+_ERROR = "$error"
 UNFINISHED = ("PENDING", "ENQUEUED", "DELAYED")
+
+
+class RecordedError(Exception):
+    """An error of a workflow or step, as the engine recorded it."""
 
 
 class JsonSerializer(Serializer):
     """JSON instead of the default pickle: readable, and harmless if the database is not."""
 
     def serialize(self, data: Any) -> str:
-        """Return values as text."""
-        return json.dumps(data)
+        """Return values, or an error, as text."""
+        return json.dumps({_ERROR: repr(data)} if isinstance(data, BaseException) else data)
 
     def deserialize(self, serialized_data: str) -> Any:
-        """Return the values of a text."""
-        return json.loads(serialized_data)
+        """Return the values of a text, or the error that it tells of."""
+        data = json.loads(serialized_data)
+        return RecordedError(data[_ERROR]) if isinstance(data, dict) and _ERROR in data else data
 
     def name(self) -> str:
         """Return the name that the database keeps of the format."""

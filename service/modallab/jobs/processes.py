@@ -59,7 +59,10 @@ class WorkerProcesses:
                 # A process that is cancelled while it starts is left behind (agronholm/anyio#1337).
                 # It then imports what the work needs: garbage is not collected meanwhile.
                 start = to_process.run_sync(gc.disable, limiter=self._unlimited)
-                await asyncio.shield(_tracked(start, self._starting))
+                try:
+                    await asyncio.shield(_tracked(start, self._starting))
+                except ProcessLookupError as error:  # anyio kills what is dead already
+                    raise BrokenWorkerProcess("a worker process died at its start") from error
                 call = partial(_at_priority, lane, work)
                 done = await to_process.run_sync(call, cancellable=True, limiter=self._unlimited)
                 if done is not None:

@@ -20,6 +20,7 @@ from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.jobs.dbos_engine import DbosEngine
 from modallab.jobs.durable import DurableRunner
 from modallab.jobs.executors import ExecutorBook, ExecutorTakenError
+from modallab.jobs.processes import WorkerProcesses
 from modallab.jobs.runner import Job, JobState
 from modallab.jobs.settings import JOB
 from modallab.jobs.studying import StudyInputs
@@ -194,6 +195,28 @@ def test_a_job_that_the_engine_ended_behind_the_book_is_done_all_the_same(places
         job = await to_thread.run_sync(partial(runner.submit, "update_and_store", given, owner="me"))
         assert runner._client is not None
         await to_thread.run_sync(runner._client.cancel_workflow, job.id)
+        ended = await until(runner, job, lambda j: j.state.final)
+        assert ended.state is JobState.SUCCEEDED, ended
+
+    run(places, work)
+
+
+def test_a_job_is_done_anew_after_an_error_that_nobody_foresaw(
+    places: Places, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The engine has to be able to write the error down: without an entry it takes the job for running."""
+    run_in_process, errors = WorkerProcesses.run, [ProcessLookupError(3, "No such process")]
+
+    async def failing(self: WorkerProcesses, *given: Any, **options: Any) -> Any:
+        if errors:
+            raise errors.pop()
+        return await run_in_process(self, *given, **options)
+
+    monkeypatch.setattr(WorkerProcesses, "run", failing)
+
+    async def work(runner: DurableRunner) -> None:
+        given = arguments(places, UpdateOptions(max_iterations=2))
+        job = await to_thread.run_sync(partial(runner.submit, "update_and_store", given, owner="me"))
         ended = await until(runner, job, lambda j: j.state.final)
         assert ended.state is JobState.SUCCEEDED, ended
 

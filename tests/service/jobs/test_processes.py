@@ -9,7 +9,7 @@ from typing import Any
 
 import anyio
 import pytest
-from anyio import to_process
+from anyio import BrokenWorkerProcess, to_process
 from anyio.abc import Process
 
 from modallab.jobs.processes import WorkerProcesses
@@ -48,6 +48,22 @@ def test_whoever_leaves_leaves_no_process_at_work(monkeypatch: pytest.MonkeyPatc
         await processes.leave()
         assert [process.returncode for process in made] == [-signal.SIGKILL]
         assert all(task.cancelled() for task in asking)
+
+    anyio.run(main)
+
+
+def test_a_process_that_dies_before_it_is_ready_is_a_broken_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def opened(command: Sequence[str], **options: Any) -> Process:
+        process = await anyio.open_process(command, **options)
+        process.kill()
+        await process.wait()
+        return process
+
+    monkeypatch.setattr(to_process, "open_process", opened)
+
+    async def main() -> None:
+        with pytest.raises(BrokenWorkerProcess):
+            await WorkerProcesses(1).run(os.getpid)
 
     anyio.run(main)
 
