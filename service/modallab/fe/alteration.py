@@ -21,7 +21,7 @@ class Alteration:
     loss: float = 1.0  # factor of the damping in proportion to stiffness
     shear: float = 0.0  # added fraction of shear flexibility and rotary inertia
     joints: tuple[float, float] = (0.0, 0.0)  # rad/(N m), of a rotational spring at each end; 0 is rigid
-    consistent_mass: float = 1.0  # share of the joints' kinks that the mass matrix has
+    consistent_mass: float = 1.0  # share of the joints' kinks and of the shear that the mass matrix has
 
     def combined_with(self, alteration: "Alteration") -> "Alteration":
         """Return both alterations combined: factors multiply, flexibilities of springs in series add.

@@ -103,7 +103,9 @@ class MemberTable:
     def _jointed(self, e: int, alteration: Alteration) -> JointedMember:
         mass, bending = self.mass[e], self.bending[e]
         if alteration.shear:
-            (more_mass,), (more_bending,) = self._sheared(self.shear.of(e), alteration.shear)
+            (more_mass,), (more_bending,) = self._sheared(
+                self.shear.of(e), alteration.shear, alteration.consistent_mass
+            )
             mass, bending = mass + more_mass, bending + more_bending
         stiffness = alteration.axial * self.axial[e] + alteration.bending * bending
         return with_joints(alteration.mass * mass, stiffness, alteration.joints, alteration.consistent_mass)
@@ -222,19 +224,19 @@ class MemberTable:
             shear=self.shear.scaled(mass=mass, stiffness=stiffness),
         )
 
-    def sheared(self, amount: float) -> "MemberTable":
+    def sheared(self, amount: float, consistent_mass: float) -> "MemberTable":
         """Return the table with added shear flexibility and rotary inertia of every member."""
-        mass, bending = self._sheared(self.shear, amount)
-        return replace(
-            self, mass=self.mass + mass, bending=self.bending + bending, shear=self.shear.more(amount)
-        )
+        mass, bending = self._sheared(self.shear, amount, consistent_mass)
+        shear = self.shear.more(amount, consistent_mass)
+        return replace(self, mass=self.mass + mass, bending=self.bending + bending, shear=shear)
 
-    def _sheared(self, shear: Shear, amount: float) -> tuple[FloatArray, FloatArray]:
+    def _sheared(self, shear: Shear, amount: float, consistent_mass: float) -> tuple[FloatArray, FloatArray]:
         """Return the changes of mass and bending stiffness by added shear, (n, w, w) each."""
         more = self.rows.shape[1] - 6
         if more < 0:  # no bars
             return self.mass[:1] * 0.0, self.bending[:1] * 0.0
-        mass, bending = (np.pad(part, ((0, 0), (0, more), (0, more))) for part in shear.added(amount))
+        added = shear.added(amount, consistent_mass)
+        mass, bending = (np.pad(part, ((0, 0), (0, more), (0, more))) for part in added)
         return mass, bending
 
     def sum(self, parts: FloatArray, n: int) -> csc_array:

@@ -83,6 +83,7 @@ class Shear:
     flexibility: FloatArray  # (n_members,) phi
     gyration: FloatArray  # (n_members,) I / A, m^2
     amount: FloatArray  # (n_members,) share of both that the members have: 0 Bernoulli-Euler, 1 Timoshenko
+    consistent_mass: float = 1.0  # share of the shear flexibility in the shapes of the mass matrix
 
     def of(self, e: int) -> "Shear":
         """Return the same for one member."""
@@ -94,28 +95,34 @@ class Shear:
             self.flexibility[only],
             self.gyration[only],
             self.amount[only],
+            self.consistent_mass,
         )
 
     def scaled(self, *, mass: float | FloatArray, stiffness: float | FloatArray) -> "Shear":
         """Return the data of members with mass and stiffness multiplied, all or (n_members,) each."""
         return replace(self, rigidity=self.rigidity * stiffness, line_mass=self.line_mass * mass)
 
-    def more(self, amount: float) -> "Shear":
-        """Return the data of members with an additional amount of shear and rotary inertia."""
-        return replace(self, amount=self.amount + amount)
+    def more(self, amount: float, consistent_mass: float = 1.0) -> "Shear":
+        """Return the data of members with an additional amount of shear and rotary inertia.
 
-    def added(self, amount: float) -> tuple[FloatArray, FloatArray]:
+        Of two shares in the mass matrix the smaller one holds.
+        """
+        share = min(self.consistent_mass, consistent_mass)
+        return replace(self, amount=self.amount + amount, consistent_mass=share)
+
+    def added(self, amount: float, consistent_mass: float = 1.0) -> tuple[FloatArray, FloatArray]:
         """Return the changes of mass and bending stiffness by an added amount, (n_members, 6, 6) each."""
-        mass, bending = self._parts(self.amount + amount)
-        mass_now, bending_now = self._parts(self.amount)
+        mass, bending = self.more(amount, consistent_mass)._parts()
+        mass_now, bending_now = self._parts()
         return mass - mass_now, bending - bending_now
 
-    def _parts(self, amount: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def _parts(self) -> tuple[FloatArray, FloatArray]:
         across = self.points[:, 1] - self.points[:, 0]
         length = np.hypot(*across.T)
-        phi = amount * self.flexibility
-        sway = self.line_mass[:, None, None] * sway_mass(length, phi)
-        rotary = (amount * self.line_mass * self.gyration)[:, None, None] * rotary_inertia(length, phi)
+        phi = self.amount * self.flexibility
+        phi_of_mass, gyration = self.consistent_mass * phi, self.amount * self.gyration
+        sway = self.line_mass[:, None, None] * sway_mass(length, phi_of_mass)
+        rotary = (self.line_mass * gyration)[:, None, None] * rotary_inertia(length, phi_of_mass)
         bending = self.rigidity[:, None, None] * bending_stiffness(length, phi)
         # (v, theta) of each end from (X, Y, RZ) of each end
         rotation = np.zeros((len(length), 4, 6))

@@ -232,12 +232,18 @@ class DynamicSystem(AttachedSystem):
         of_members = [self.support_springs, *(attachment for _, attachment in self.alterations.values())]
         return tuple(a for a in self.attachments if any(a is b for b in of_members))
 
-    def sheared(self, amount: float) -> "DynamicSystem":
+    def sheared(self, amount: float, consistent_mass: float = 1.0) -> "DynamicSystem":
         """Return the system with added shear flexibility and rotary inertia in every member.
 
         An amount of 1 turns Bernoulli-Euler members into Timoshenko members; the latter stay as they are.
+
+        Parameters
+        ----------
+        consistent_mass
+            Share of the shear flexibility in the shapes of the mass matrix; 0: those of Bernoulli and Euler.
         """
-        return self._rebuilt(("sheared", amount), lambda: self._member_table.sheared(amount), self.modal)
+        key = "sheared", amount, consistent_mass
+        return self._rebuilt(key, lambda: self._member_table.sheared(amount, consistent_mass), self.modal)
 
     def _rebuilt(
         self,

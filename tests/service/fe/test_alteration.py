@@ -12,6 +12,7 @@ from modallab.fe.alteration import Alteration
 from modallab.fe.assembly import Assembly, assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.damping import StructuralDamping, ViscousDamping
+from modallab.fe.member_matrices import bar_of
 from modallab.fe.receptance import receptance
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
@@ -156,6 +157,23 @@ def test_members_that_shear_in_full_are_timoshenkos() -> None:
         response(assemble(BEAM).alter(6, Alteration(shear=1.0))),
         response(assemble(sheared_by_hand(1.0, (6,)))),
     )
+
+
+def test_the_mass_matrix_may_keep_the_shapes_of_bernoulli_and_euler() -> None:
+    """The change of mass is then that of turning sections alone, in proportion to the amount."""
+    system = assemble(BEAM)
+    once, twice = (system.sheared(amount, 0.0) for amount in (1.0, 2.0))
+    change = once.mass.toarray() - system.mass.toarray()
+    np.testing.assert_array_equal(once.stiffness.toarray(), system.sheared(1.0).stiffness.toarray())
+    np.testing.assert_allclose(
+        twice.mass.toarray() - system.mass.toarray(), 2 * change, rtol=0, atol=1e-12 * np.abs(change).max()
+    )
+    points = np.array([BEAM.nodes[dof.node] for dof in system.dofs])
+    along = np.array([dof.direction == "Y" for dof in system.dofs])
+    turning = np.where(along, points[:, 0], [dof.direction == "RZ" for dof in system.dofs])
+    bars = [bar_of(BEAM, member) for member in BEAM.members]
+    inertia = sum(bar.density * bar.second_moment * bar.length for bar in bars)
+    assert turning @ change @ turning == pytest.approx(inertia, rel=1e-9)  # of a rigid turn
 
 
 @pytest.mark.parametrize("name", ["bay", "cantilever"])

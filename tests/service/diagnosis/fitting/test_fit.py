@@ -15,6 +15,7 @@ from modallab.effects.gain_error import GainError
 from modallab.effects.joint_flexibility import JointFlexibility
 from modallab.effects.loss_factor_error import LossFactorError
 from modallab.effects.mains_hum import MainsHum
+from modallab.effects.shear_and_rotary_inertia import ShearAndRotaryInertia
 from modallab.effects.stiffness_error import StiffnessError
 from modallab.rig.measure import Route, measure
 from tests.diagnosing import draw_measurement, model, predicting, rig
@@ -213,6 +214,18 @@ def test_an_effect_at_one_of_many_places_pays_for_the_choice() -> None:
     assert np.isclose(everywhere.penalty_between_kinds, mass.penalty_between_kinds - cost, rtol=1e-12)
     pair = fit(predictor, [StiffnessError(at=Members((k,)), factor=1.1) for k in (3, 8)])
     assert np.isclose(pair.penalty, 2 * somewhere.penalty, rtol=1e-12)
+
+
+def test_shear_is_found_beside_the_mass_matrix_of_bernoulli_and_euler() -> None:
+    """As other programs have it: with the sheared shapes in the mass matrix a gap is left."""
+    shear = ShearAndRotaryInertia(amount=1.2, consistent_mass=0.0)
+    predictor, _ = predicting(draw_measurement(rig(), [shear]))
+    bare = fit(predictor, ())
+    start = fit(predictor, (ShearAndRotaryInertia(amount=1.0),))
+    (found,) = with_optional_parameters(predictor, start, bare).effects
+    assert isinstance(found, ShearAndRotaryInertia)
+    assert found.consistent_mass == 0
+    assert found.amount == pytest.approx(shear.amount, rel=1e-2)  # noise of 1e-4
 
 
 def test_of_the_members_at_a_node_the_cracked_one_is_found() -> None:
