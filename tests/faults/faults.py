@@ -2,10 +2,11 @@
 
 import signal
 import sqlite3
-import subprocess
 import time
 from collections.abc import Callable, Sequence
 from contextlib import closing
+
+import psutil
 
 from modallab.jobs.settings import JOB
 from tests.faults.site import Site
@@ -46,21 +47,10 @@ def one_host_killed(site: Site) -> None:
     site.hosts[0].wait()
 
 
-def at_work(processes: Sequence[int]) -> list[int]:
+def at_work(processes: Sequence[psutil.Process]) -> list[psutil.Process]:
     """Return the processes that are still at work some seconds later."""
-    living: list[int] = []
-    for _ in range(50):
-        listed = subprocess.run(
-            ["ps", "-o", "pid=,stat=", "-p", ",".join(map(str, processes)) or "0"],
-            capture_output=True,
-            text=True,
-        )
-        found = [line.split() for line in listed.stdout.splitlines()]
-        living = [int(pid) for pid, state in found if not state.startswith("Z")]
-        if not living:
-            break
-        time.sleep(0.1)
-    return living
+    _, living = psutil.wait_procs(processes, timeout=5.0)
+    return [process for process in living if process.status() != psutil.STATUS_ZOMBIE]
 
 
 def hosts_replaced(site: Site) -> None:
@@ -68,12 +58,12 @@ def hosts_replaced(site: Site) -> None:
     for host in list(site.hosts):
         if site.gate:
             site.start_host()
-        children = site.children()
+        children = site.children([host])
         host.send_signal(signal.SIGTERM)
         begin = time.monotonic()
         host.wait(60)
         assert time.monotonic() - begin < POLITE_END, "a host took long to end"
-        assert site.gate or not at_work(children), "a worker process outlives its host"
+        assert not at_work(children), "a worker process outlives its host"
         site.hosts.remove(host)
         if not site.gate:
             site.start_host()

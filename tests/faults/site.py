@@ -1,18 +1,18 @@
 """A service, worker hosts and a database that a test disturbs, and jobs with known results."""
 
-import os
 import signal
 import socket
 import subprocess
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import httpx
+import psutil
 import sqlalchemy as sa
 
 from modallab.api.settings import ServiceSettings
@@ -104,23 +104,20 @@ class Site:
         if not self.gate:
             self.lab.wait_until_up()
 
-    def children(self) -> list[int]:
-        """Return the ids of all worker processes."""
-        listed = [
-            subprocess.run(["ps", "-o", "pid=", "--ppid", str(host.pid)], capture_output=True, text=True)
-            for host in self.hosts
-            if host.poll() is None
-        ]
-        return [int(pid) for listing in listed for pid in listing.stdout.split()]
+    def children(self, hosts: Sequence["subprocess.Popen[bytes]"] | None = None) -> list[psutil.Process]:
+        """Return the worker processes of some hosts, of all by default."""
+        chosen = self.hosts if hosts is None else hosts
+        living = [psutil.Process(host.pid) for host in chosen if host.poll() is None]
+        return [child for host in living for child in host.children()]
 
     def hit(self, number: signal.Signals) -> None:
         """Send a signal to all worker processes."""
-        for pid in self.children():
-            with suppress(ProcessLookupError):
-                os.kill(pid, number)
+        for child in self.children():
+            with suppress(psutil.NoSuchProcess):
+                child.send_signal(number)
 
     def not_results(self) -> dict[str, int]:
-        """Return how many resources of each kind are stored that are no result of a job, and parts of files.
+        """Return the numbers of resources by kind that are not results of jobs, and of half-written files.
 
         Updated structures are left out: each update has one.
         """

@@ -28,7 +28,7 @@ class Operation:
     query: frozenset[str] = frozenset()
     """Names of query parameters."""
     content_types: tuple[str, ...] = ()
-    """Of the bodies that it takes."""
+    """Media types of the bodies that it takes."""
     form: frozenset[str] = frozenset()
     """Names of the fields of a form."""
 

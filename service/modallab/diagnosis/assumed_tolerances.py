@@ -114,10 +114,10 @@ def deviate_far(nuisances: Nuisances, found: Fit, stated: Tolerances) -> bool:
 
 
 def deviates_alone(nuisances: Nuisances, found: Fit, stated: Tolerances) -> bool:
-    """Return whether one assumed tolerance deviates and the others less than a model within them would.
+    """Return whether the deviations of all assumed tolerances but one are together smaller than chance.
 
-    A model that is exact elsewhere has an effect there rather than a deviation. Only deviations that the
-    data determine count.
+    A model that is exact elsewhere has an effect there rather than a deviation. Deviations that the data do
+    not determine are left out.
     """
     determined = found.nuisance_errors < DIAGNOSIS.determined_error
     squares: dict[str, list[float]] = {}
