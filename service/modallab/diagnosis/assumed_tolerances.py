@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import compress
+from itertools import chain, compress
 
 import numpy as np
 from scipy.special import chdtr, chdtri
@@ -114,18 +114,19 @@ def deviate_far(nuisances: Nuisances, found: Fit, stated: Tolerances) -> bool:
 
 
 def deviates_alone(nuisances: Nuisances, found: Fit, stated: Tolerances) -> bool:
-    """Return whether the deviations of all assumed tolerances but one are together smaller than chance.
+    """Return whether the deviations of all assumed tolerances but one are negligible, and not by chance.
 
     A model that is exact elsewhere has an effect there rather than a deviation. Deviations that the data do
     not determine are left out.
     """
     determined = found.nuisance_errors < DIAGNOSIS.determined_error
-    squares: dict[str, list[float]] = {}
-    for nuisance, square in zip(
-        compress(nuisances.parameters, determined), found.nuisance_position[determined] ** 2, strict=True
-    ):
-        if nuisance.name not in stated.stated:
-            squares.setdefault(nuisance.name, []).append(float(square))
-    remaining = sorted(squares.values(), key=max)[:-1]
-    n, total = sum(map(len, remaining)), sum(map(sum, remaining))
-    return n > 0 and bool(chdtr(n, total) < DIAGNOSIS.deviation_probability)
+    names = compress([nuisance.name for nuisance in nuisances.parameters], determined)
+    values = np.column_stack([found.nuisance_position, found.nuisance_errors])[determined] ** 2
+    groups: dict[str, list[list[float]]] = {}
+    for name, squares in zip(names, values.tolist(), strict=True):
+        if name not in stated.stated:
+            groups.setdefault(name, []).append(squares)
+    remaining = list(chain.from_iterable(sorted(groups.values(), key=max)[:-1]))
+    total, of_errors = np.sum(remaining, axis=0) if remaining else (0.0, 0.0)
+    negligible = total < of_errors + len(remaining) * DIAGNOSIS.negligible_deviation**2
+    return bool(negligible and chdtr(len(remaining), total) < DIAGNOSIS.deviation_probability)

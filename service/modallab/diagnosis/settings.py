@@ -25,6 +25,12 @@ class DiagnosisSettings(Settings):
         doc="standard error below which the data determine a deviation",
         derived="a deviation of one standard deviation is then three standard errors",
     )
+    negligible_deviation: float = setting(
+        0.1,
+        unit="standard deviations of the tolerance",
+        doc="root mean square, beside their errors, below which deviations show an exact model",
+        derived="a tenth of what is assumed; models whose errors are half as large are searched in vain",
+    )
     max_equivalent_effects: int = setting(
         3, unit="effects", doc="equivalent effects listed with a step", derived="legibility"
     )
