@@ -14,7 +14,7 @@ from contextlib import nullcontext, suppress
 from functools import partial
 from typing import Any, TypeVar, TypeVarTuple
 
-from anyio import BrokenWorkerProcess, CapacityLimiter, to_process
+from anyio import BrokenWorkerProcess, CancelScope, CapacityLimiter, to_process
 
 from modallab.jobs.runner import Lane
 from modallab.jobs.settings import JOB
@@ -51,7 +51,16 @@ class WorkerProcesses:
         BrokenWorkerProcess
             If the process dies under the work.
         """
-        return await _tracked(self._in_process(lane, partial(work, *arguments)), self._working)
+        task = _tracked(self._in_process(lane, partial(work, *arguments)), self._working)
+        try:
+            return await asyncio.shield(task)
+        except asyncio.CancelledError:
+            if not task.done():
+                # Once only: anyio repeats a cancellation, and the second would leave the killed process open.
+                task.cancel()
+                with CancelScope(shield=True):
+                    await asyncio.wait([task])
+            raise
 
     async def _in_process(self, lane: Lane, work: Callable[[], Outcome]) -> Outcome:
         async with self._long if lane is Lane.LONG else nullcontext(), self._limiter:
@@ -74,7 +83,8 @@ class WorkerProcesses:
     async def leave(self) -> None:
         """Kill the running processes, and wait for their end."""
         for task in self._working:
-            task.cancel()
+            if not task.cancelling():
+                task.cancel()
         await asyncio.gather(*self._working, *self._starting, return_exceptions=True)
 
 

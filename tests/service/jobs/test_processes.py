@@ -29,7 +29,9 @@ def test_work_is_done_in_another_process_and_what_is_printed_there_does_no_harm(
     assert anyio.run(main) != os.getpid()
 
 
-def test_whoever_leaves_leaves_no_process_at_work(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture
+def made(monkeypatch: pytest.MonkeyPatch) -> list[Process]:
+    """The processes that are started."""
     made: list[Process] = []
 
     async def opened(command: Sequence[str], **options: Any) -> Process:
@@ -37,7 +39,10 @@ def test_whoever_leaves_leaves_no_process_at_work(monkeypatch: pytest.MonkeyPatc
         return made[-1]
 
     monkeypatch.setattr(to_process, "open_process", opened)
+    return made
 
+
+def test_whoever_leaves_leaves_no_process_at_work(made: list[Process]) -> None:
     async def main() -> None:
         processes = WorkerProcesses(1)
         await processes.run(os.getpid)
@@ -48,6 +53,17 @@ def test_whoever_leaves_leaves_no_process_at_work(monkeypatch: pytest.MonkeyPatc
         await processes.leave()
         assert [process.returncode for process in made] == [-signal.SIGKILL]
         assert all(task.cancelled() for task in asking)
+
+    anyio.run(main)
+
+
+def test_a_process_whose_work_took_too_long_has_ended_when_its_caller_goes_on(made: list[Process]) -> None:
+    async def main() -> None:
+        processes = WorkerProcesses(1)
+        await processes.run(os.getpid)
+        with anyio.move_on_after(0.1):
+            await processes.run(time.sleep, 60.0)
+        assert [process.returncode for process in made] == [-signal.SIGKILL]
 
     anyio.run(main)
 
