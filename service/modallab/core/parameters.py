@@ -36,6 +36,10 @@ class ParameterSpec:
         """Whether it may be negative, so that no logarithm of it can be taken."""
         return self.lower < 0
 
+    def other_choice(self, value: float, default: float) -> float | None:
+        """Return what a diagnosis tries beside a value of a choice: its alternative, or its default."""
+        return default if value == self.alternative else self.alternative
+
 
 def parameter(
     default: float,

@@ -45,6 +45,7 @@ class StingerBending(Effect):
         lower=STINGER.min_length,
         upper=STINGER.max_length,
         absent=None,
+        scan_values=(0.05, 0.5),
         doc="of the rod: its lateral stiffness is three times the one in rotation, over length^2",
     )
     coupling: float = parameter(
@@ -53,6 +54,7 @@ class StingerBending(Effect):
         lower=0.0,
         upper=1.0,
         absent=None,
+        scan_values=(0.0, 1.0),
         doc="of rotation and lateral motion, over a clamped rod's; 0: two springs apart, as of flexures",
         alternative=0.0,
     )

@@ -195,8 +195,11 @@ class Effect(Parameterised):
 
     def variants(self, system: DynamicSystem) -> tuple[Self, ...]:
         """Return the effect with its optional parameters at the start of a fit, and with other choices."""
+        defaults = type(self)().parameters
         values = {
-            name: spec.optional_start if spec.alternative is None else spec.alternative
+            name: spec.optional_start
+            if spec.alternative is None
+            else spec.other_choice(self.parameters[name], defaults[name])
             for name, spec in self.specs().items()
         }
         extended = self.with_parameters({name: value for name, value in values.items() if value is not None})

@@ -16,8 +16,14 @@ from modallab.effects.force_noise import ForceNoise
 from modallab.effects.leakage import Leakage
 from modallab.effects.response_noise import ResponseNoise
 from modallab.effects.stiffness_error import StiffnessError
+from modallab.effects.stinger_bending import StingerBending
 from modallab.fe.assembly import assemble
+from modallab.fe.structure import PLANE
+from modallab.rig.chain import chain
 from modallab.rig.effect import Effect
+from modallab.rig.expected import expected_spectra
+from modallab.rig.measure import measurement_of
+from modallab.rig.wishart import wishart_spectra
 from tests.diagnosing import draw_measurement, exact, model, rig
 
 
@@ -193,3 +199,19 @@ def test_an_oscillator_is_told_with_the_kind_of_its_damping(loss_factor: float, 
         fitted = step.effect.parameters[name]
         # four standard errors; without a damper the fit has none, and no error of it
         assert abs(fitted.value - value) <= 4 * fitted.standard_error, name
+
+
+def test_a_stinger_with_flexures_is_no_rotational_spring() -> None:
+    """Turning and lateral motion are restrained apart, along a beam that slopes: 3 to 4."""
+    straight = model()
+    tilted = {node: (0.8 * x, 0.6 * x) for node, (x, _) in straight.nodes.items()}
+    structure = replace(straight, nodes=tilted, directions=PLANE)
+    hidden = StingerBending(stiffness=160.0, length=0.64, coupling=0.0)
+    spectra = expected_spectra(chain(assemble(structure), rig(), [hidden]))
+    test = measurement_of(wishart_spectra(spectra, np.random.default_rng(0)), rig())
+    found = diagnose(structure, test, suspects=["stinger_bending", "rotational_ground_spring"])
+    assert found.verdict is Verdict.EXPLAINED
+    (step,) = found.steps
+    assert step.effect.kind == "stinger_bending"
+    for name, parameter in step.effect.parameters.items():
+        assert abs(parameter.value - hidden.parameters[name]) <= 4 * parameter.standard_error
