@@ -12,8 +12,8 @@ from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.optimisation.nuisances import Nuisances
 from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.search_result import SearchResult
-from modallab.diagnosis.searching.acceptance import is_noise_only, ranked_by_bic
-from modallab.diagnosis.searching.search_path import SearchPath, kind_and_place, refine_path
+from modallab.diagnosis.searching.acceptance import is_noise_only, is_significant, ranked_by_bic
+from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, kind_and_place, refine_path
 from modallab.diagnosis.searching.settings import ROUND
 from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.rig.effect import Effect
@@ -31,6 +31,11 @@ def refitted_round(fits: Sequence[Fit], second: SearchResult, alone: Fit) -> lis
     """
     if not fits or _may_hide_effect(fits[0], alone, second.path.fit):
         return None
+    return _refitted(fits, second, alone)
+
+
+def _refitted(fits: Sequence[Fit], second: SearchResult, alone: Fit) -> list[Fit]:
+    """Return the competitive fits of single effects under the second tolerances, best first."""
     limit = ROUND.competitive_cost * fits[0].chi_square
     # Beside an effect that leaves noise alone, one that leaves far more is no rival.
     explained = is_noise_only(second.predictor, alone)
@@ -52,12 +57,22 @@ def refitted_round(fits: Sequence[Fit], second: SearchResult, alone: Fit) -> lis
 
 
 def refitted_path(path: SearchPath, second: SearchResult) -> SearchPath | None:
-    """Return a path under the second tolerances, if its effects explain the measurement there."""
+    """Return a path under the second tolerances, if its effects explain the measurement there.
+
+    None, too, of a single effect that is not significant beside the tolerances: they explain as much.
+    """
     effects = path.fit.effects
     if not effects or not second.explains(effects):
         return None
-    steps = (*path.steps[:-1], replace(path.steps[-1], fit=second.with_effects(effects)))
-    return refine_path(second.predictor, SearchPath(second.path.start, steps))
+    start, last, alone = second.path.start, path.steps[-1], second.with_effects(effects)
+    if len(effects) > 1:  # the refinement fits the rivals of each effect beside the others
+        steps = (*path.steps[:-1], replace(last, fit=alone))
+    else:
+        order = tuple(_refitted(last.round_fits, second, alone))
+        if not is_significant(second.predictor, start, order[0]):
+            return None
+        steps = (AcceptedEffect(kind_and_place(order[0].effects[-1]), start, order[0], order),)
+    return refine_path(second.predictor, SearchPath(start, steps))
 
 
 def may_hide_effects(path: SearchPath, second: SearchResult) -> bool:

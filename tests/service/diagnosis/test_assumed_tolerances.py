@@ -11,6 +11,7 @@ import pytest
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members
 from modallab.diagnosis import assumed_tolerances, search_task
+from modallab.diagnosis.assumed_tolerances import refitted_path
 from modallab.diagnosis.diagnose import diagnose_with_options
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.optimisation.tolerance_effects import MemberTolerance
@@ -18,6 +19,7 @@ from modallab.diagnosis.optimisation.tolerances import TolerancePreset
 from modallab.diagnosis.options import DiagnosisOptions
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.result import Diagnosis, Verdict
+from modallab.diagnosis.search_result import SearchResult
 from modallab.diagnosis.searching.search import search
 from modallab.diagnosis.searching.search_path import SearchPath
 from modallab.effects.extra_mass import ExtraMass
@@ -181,6 +183,26 @@ def test_what_the_first_search_explains_is_kept_where_the_second_ends_worse(
     assert {step.effect.kind for step in found.steps} == {"extra_mass", "gain_error"}
     assert (found.verdict is Verdict.EXPLAINED) is assumed
     assert any("assumed" in note for note in found.notes) is assumed
+
+
+def test_rivals_of_what_is_kept_are_fitted_under_the_same_tolerances(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A further test was proposed from the nuisance parameters of the other tolerances, and failed."""
+    kept: list[SearchPath] = []
+
+    def recorded(path: SearchPath, second: SearchResult) -> SearchPath | None:
+        refitted = refitted_path(path, second)
+        assert refitted is not None
+        kept.append(refitted)
+        return refitted
+
+    monkeypatch.setattr(search_task, "search", found_under_stated_tolerances_alone)
+    monkeypatch.setattr(search_task, "refitted_path", recorded)
+    diagnosed(ExtraMass(Dof(4, "Y"), 0.03), INEXACT)
+    (step,) = kept[-1].steps
+    assert step.kind_and_place == ("extra_mass", "4:+Y")
+    n_nuisances = {len(each.nuisance_position) for each in (*step.round_fits, kept[-1].start)}
+    assert len(n_nuisances) == 1
+    assert n_nuisances != {0}
 
 
 @pytest.mark.parametrize(("by_tolerances", "hidden"), [(9.0, False), (11.0, True)])
