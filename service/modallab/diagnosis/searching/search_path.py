@@ -4,9 +4,10 @@ from dataclasses import dataclass, field, replace
 
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.searching.acceptance import is_noise_only, ranked_by_bic
+from modallab.diagnosis.searching.acceptance import excess_ratio, is_noise_only, ranked_by_bic
 from modallab.diagnosis.searching.equivalent_values import resolve_equivalents
 from modallab.diagnosis.searching.settings import ACCEPTANCE, SEARCH
+from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.rig.effect import Effect
 
 
@@ -88,10 +89,10 @@ def _pruned(predictor: Predictor, path: SearchPath) -> SearchPath:
 def _exchanged(predictor: Predictor, path: SearchPath) -> SearchPath:
     """Return the path with each effect compared with the others of its round, beside all later effects.
 
-    The best effect while another was missing need not be the best one now. Where the search was given up,
-    one is missing still.
+    The best effect while another was missing need not be the best one now. Where the search was given up
+    and much of the gap is left, one is missing still.
     """
-    if len(path.steps) < 2 or (predictor.budget.exhausted and not is_noise_only(predictor, path.fit)):
+    if len(path.steps) < 2 or (predictor.budget.exhausted and not _closes_most(predictor, path)):
         return path
     best, steps = path.fit, list(path.steps)
     for i, step in enumerate(steps):
@@ -110,6 +111,13 @@ def _exchanged(predictor: Predictor, path: SearchPath) -> SearchPath:
         steps[i] = replace(step, kind_and_place=name, fit=best, round_fits=tuple(order))
     steps[-1] = replace(steps[-1], fit=best)
     return SearchPath(path.start, tuple(steps))
+
+
+def _closes_most(predictor: Predictor, path: SearchPath) -> bool:
+    """Return whether the effects leave little of the gap, or random error alone."""
+    if is_noise_only(predictor, path.fit):
+        return True
+    return excess_ratio(predictor, path.start, path.fit) <= DIAGNOSIS.partial_excess
 
 
 def _ordered(predictor: Predictor, path: SearchPath) -> SearchPath:
