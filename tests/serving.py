@@ -43,6 +43,8 @@ def running(
             env=clean | dict(environment or {}),
             stdout=log,
             stderr=log,
+            # Of low priority within their session alone: beside tests that compute, jobs would wait for ever.
+            start_new_session=True,
         )
         try:
             yield process

@@ -8,7 +8,6 @@ import sqlalchemy as sa
 
 from modallab.store.arrays import FolderArrays
 from modallab.store.engine import make_engine
-from modallab.store.migrate import migrate
 from modallab.store.sql import SqlStore
 
 
@@ -22,6 +21,8 @@ class StorePlace:
 
     def prepare(self) -> None:
         """Create the folder and the tables, or bring the tables up to date."""
+        from modallab.store.migrate import migrate  # alembic: no process that only reads and writes needs it
+
         self.folder.mkdir(parents=True, exist_ok=True)
         migrate(engine_of(self), schema=self.schema)
 
