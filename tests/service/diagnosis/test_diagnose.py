@@ -215,3 +215,19 @@ def test_a_stinger_with_flexures_is_no_rotational_spring() -> None:
     assert step.effect.kind == "stinger_bending"
     for name, parameter in step.effect.parameters.items():
         assert abs(parameter.value - hidden.parameters[name]) <= 4 * parameter.standard_error
+
+
+def test_a_stinger_on_a_beam_that_moves_across_only_comes_before_the_same_spring() -> None:
+    """Its length does not enter, and counts as no parameter; a rig changes from test to test."""
+    hidden = StingerBending(stiffness=100.0)
+    found = diagnose(
+        model(), draw_measurement(rig(), [hidden]), suspects=["rotational_ground_spring", hidden.kind]
+    )
+    assert found.verdict is Verdict.AMBIGUOUS
+    (step,) = found.steps
+    assert (step.effect.kind, step.effect.at) == (hidden.kind, None)
+    assert [(rival.kind, rival.at) for rival in step.rivals_alike] == [
+        ("rotational_ground_spring", Dof(1, "RZ"))
+    ]
+    stiffness = step.effect.parameters["stiffness"]
+    assert abs(stiffness.value - hidden.stiffness) < 4 * stiffness.standard_error

@@ -34,7 +34,7 @@ class Fit:
     chi_square: float
     """Sum of squares of the fitted residuals and of the nuisance parameters' prior."""
     n_parameters: int
-    """Parameters of the effects; nuisance parameters are the same in every fit."""
+    """Parameters of the effects that change a prediction; nuisance parameters are the same in every fit."""
     n_data: int
     """Fitted residuals."""
     correlation_length: float
@@ -227,7 +227,7 @@ def _fit(
         tuple(final),
         fitted_residual,
         chi_square,
-        len(task.parameters),
+        int(derivatives[:, : len(task.parameters)].any(axis=0).sum()),
         len(vector),
         plain.observed.correlation_length,
         compute_errors,

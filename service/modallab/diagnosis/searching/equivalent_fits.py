@@ -55,7 +55,7 @@ def equivalent_fits(predictor: Predictor, step: AcceptedEffect, chosen: Fit) -> 
 
     Among effects of the structure, and likewise among effects of the rig, only those with the fewest
     parameters count: an oscillator tuned far above the band has the same effect as a mass, which has fewer.
-    An effect of the structure does not exclude an effect of the rig: the bending stiffness of a stinger has
+    An effect of the structure does not exclude an effect of the rig: the stinger's bending stiffness may have
     one parameter more than the rotational spring to which it is equivalent.
     """
     limit = ACCEPTANCE.equivalence_chi_square * incomplete_variance_inflation(predictor, step.round_fits[0])

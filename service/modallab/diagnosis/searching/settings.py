@@ -31,9 +31,9 @@ class AcceptanceSettings(Settings):
         derived="3 sigma: the square of three standard deviations",
     )
     same_physics_bic: float = setting(
-        0.1,
+        0.5,
         doc="difference in BIC within which two fits describe the same physics",
-        derived="end of a fit: a few hundredths of a standard error",
+        derived="end of a fit with nuisance parameters: a few tenths of a standard error",
     )
     min_significance: float = setting(
         2.0,
