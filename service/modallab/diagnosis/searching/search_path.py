@@ -1,12 +1,16 @@
 """Path of a search: effects accepted one after the other, and the refinement of their choice and order."""
 
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
+from modallab.core.errors import InvalidInputError
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import excess_ratio, is_noise_only, ranked_by_bic
 from modallab.diagnosis.searching.equivalent_values import resolve_equivalents
-from modallab.diagnosis.searching.settings import ACCEPTANCE, SEARCH
+from modallab.diagnosis.searching.neighbouring_places import neighbouring_effects
+from modallab.diagnosis.searching.settings import ACCEPTANCE, ROUND, SEARCH
 from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.rig.effect import Effect
 
@@ -49,7 +53,13 @@ def kind_and_place(effect: Effect) -> tuple[str, str]:
 
 def refine_path(predictor: Predictor, path: SearchPath) -> SearchPath:
     """Return a path without superfluous effects, each the best beside all others, the largest first."""
-    path = _ordered(predictor, _exchanged(predictor, _pruned(predictor, path)))
+    pruned = _pruned(predictor, path)
+    path = _exchanged(predictor, pruned)
+    if len(path.steps) > 1 and _closes_most(predictor, path):
+        path = with_optional_parameters_of_all(predictor, path)
+    if path.fit.chi_square < pruned.fit.chi_square:
+        path = _pruned(predictor, path)
+    path = _ordered(predictor, path)
     if not path.steps:
         return path
     last = replace(path.steps[-1], fit=resolve_equivalents(predictor, path.fit))
@@ -57,13 +67,13 @@ def refine_path(predictor: Predictor, path: SearchPath) -> SearchPath:
 
 
 def with_optional_parameters_of_all(predictor: Predictor, path: SearchPath) -> SearchPath:
-    """Return the path with the optional parameters of earlier effects too, if they are worth it by BIC.
+    """Return the path with the optional parameters and other choices of its effects, if BIC is lower.
 
     While another effect was missing they may not have been.
     """
     best = path.fit
     predictor = predictor.with_nuisances_at(best.nuisance_position)
-    for i in range(len(best.effects) - 1):
+    for i in range(len(best.effects)):
         before, after = best.effects[:i], best.effects[i + 1 :]
         for variant in best.effects[i].variants(predictor.system):
             extended = fit(predictor, (*before, variant, *after), near=path.start)
@@ -72,11 +82,11 @@ def with_optional_parameters_of_all(predictor: Predictor, path: SearchPath) -> S
 
 
 def _pruned(predictor: Predictor, path: SearchPath) -> SearchPath:
-    """Return the path without effects that later ones made superfluous: backward elimination."""
+    """Return the path without effects that others made superfluous: backward elimination."""
     if len(path.steps) < 2:
         return path
     predictor = predictor.with_nuisances_at(path.fit.nuisance_position)
-    for i in range(len(path.steps) - 1):
+    for i in range(len(path.steps)):
         remaining = tuple(e for j, e in enumerate(path.fit.effects) if j != i)
         reduced = fit(predictor, remaining)
         if reduced.bic < path.fit.bic + ACCEPTANCE.very_strong_bic:
@@ -106,11 +116,44 @@ def _exchanged(predictor: Predictor, path: SearchPath) -> SearchPath:
             for effect in (own_effect, *rivals[: SEARCH.max_exchanges])
         ]
         order = ranked_by_bic(fits)
+        if not is_noise_only(predictor, order[0]):
+            order = ranked_by_bic(_with_neighbours(predictor, accompanying, order))
         best = order[0]
         name = kind_and_place(best.effects[-1])
         steps[i] = replace(step, kind_and_place=name, fit=best, round_fits=tuple(order))
     steps[-1] = replace(steps[-1], fit=best)
     return SearchPath(path.start, tuple(steps))
+
+
+def _with_neighbours(predictor: Predictor, accompanying: Sequence[Effect], fits: Sequence[Fit]) -> list[Fit]:
+    """Return fits with those at adjoining places of the best of some kinds, on and on while one is better.
+
+    The place that was best while another effect was missing may be next to the true one.
+
+    Parameters
+    ----------
+    accompanying
+        The other effects.
+    fits
+        With one effect more, the last one; best first.
+    """
+    found = {kind_and_place(each.effects[-1]): each for each in fits}
+    taken = {kind_and_place(effect) for effect in accompanying}
+    for kind in list(dict.fromkeys(each.effects[-1].kind for each in fits))[: ROUND.kinds_at_neighbours]:
+        last = None
+        while (best := _least(found, kind)) is not last:
+            last, limit = best, ROUND.competitive_cost * best.chi_square
+            for effect in neighbouring_effects(best.effects[-1], predictor.system):
+                name = kind_and_place(effect)
+                if name not in found and name not in taken:
+                    with suppress(InvalidInputError):  # where the structure has no place for it
+                        found[name] = fit(predictor, (*accompanying, effect), max_chi_square=limit)
+    return list(found.values())
+
+
+def _least(found: Mapping[tuple[str, str], Fit], kind: str) -> Fit:
+    """Return the fit of least chi-square with an effect of a kind."""
+    return min((each for (own, _), each in found.items() if own == kind), key=lambda each: each.chi_square)
 
 
 def _closes_most(predictor: Predictor, path: SearchPath) -> bool:

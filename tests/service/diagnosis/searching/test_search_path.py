@@ -67,6 +67,22 @@ def test_a_found_explanation_is_compared_with_its_rivals_though_the_budget_is_sp
     assert names(refine_path(predictor, path)) == {kind_and_place(MASS), kind_and_place(GAIN)}
 
 
+def test_an_effect_next_to_its_true_place_is_moved_there_though_no_fit_of_its_round_was(
+    predictor: Predictor,
+) -> None:
+    beside = ExtraMass(Dof(3, "Y"), 0.02)
+    path = refine_path(predictor, accepted(predictor, beside, (), GAIN))
+    assert names(path) == {kind_and_place(MASS), kind_and_place(GAIN)}
+    mass = next(effect for effect in path.fit.effects if effect.kind == MASS.kind)
+    assert abs(mass.parameters["mass"] - MASS.mass) < 0.05 * MASS.mass  # ten standard errors
+
+
+def test_what_made_up_for_a_wrong_effect_goes_with_it(predictor: Predictor) -> None:
+    made_up = StiffnessError(Members((4,)), 0.98)
+    path = refine_path(predictor, accepted(predictor, WRONG, (MASS,), GAIN, made_up))
+    assert names(path) == {kind_and_place(MASS), kind_and_place(GAIN)}
+
+
 def test_a_needless_effect_is_taken_out(predictor: Predictor) -> None:
     path = refine_path(predictor, accepted(predictor, WRONG, (), MASS, GAIN))
     assert names(path) == {kind_and_place(MASS), kind_and_place(GAIN)}
