@@ -37,7 +37,7 @@ class ParameterSpec:
         return self.lower < 0
 
     def other_choice(self, value: float, default: float) -> float | None:
-        """Return what a diagnosis tries beside a value of a choice: its alternative, or its default."""
+        """Return the other value of a choice: its alternative, or its default beside that."""
         return default if value == self.alternative else self.alternative
 
 
@@ -57,6 +57,20 @@ def parameter(
     """Declare a dataclass field that may be fitted; unit and bounds live here only."""
     spec = ParameterSpec(unit, lower, upper, absent, doc, scan_values, optional_start, alternative, chosen)
     return field(default=default, metadata={"spec": spec})
+
+
+def share_parameter(*, doc: str, scan_values: tuple[float, ...] = ()) -> Any:
+    """Declare a share, 1 by default; no fit varies it, and a diagnosis tries 0 too."""
+    return parameter(
+        1.0,
+        unit="1",
+        lower=0.0,
+        upper=1.0,
+        absent=None,
+        doc=doc,
+        scan_values=scan_values,
+        alternative=0.0,
+    )
 
 
 class Parameterised:

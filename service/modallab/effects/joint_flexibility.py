@@ -8,7 +8,7 @@ import numpy as np
 
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
-from modallab.core.parameters import parameter
+from modallab.core.parameters import parameter, share_parameter
 from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
 from modallab.effects.settings import JOINT_SCAN
@@ -42,14 +42,8 @@ class JointFlexibility(Effect):
     flexibility: float = parameter(
         1e-4, unit="rad/(N m)", lower=0.0, upper=1e6, doc="rotation of one side against the other per moment"
     )
-    consistent_mass: float = parameter(
-        1.0,
-        unit="1",
-        lower=0.0,
-        upper=1.0,
-        absent=None,
+    consistent_mass: float = share_parameter(
         doc="share of the kink that the member's mass matrix has; 0: it is unchanged",
-        alternative=0.0,
     )
     member: float = parameter(
         0.0,

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from types import NoneType
 from typing import ClassVar
 
-from modallab.core.parameters import parameter
+from modallab.core.parameters import parameter, share_parameter
 from modallab.core.place import Members
 from modallab.correlation.evidence import Evidence
 from modallab.fe.alteration import Alteration
@@ -41,14 +41,8 @@ class ShearAndRotaryInertia(Effect):
         doc="shear flexibility and rotary inertia over those of section and material",
         scan_values=(0.3, 1.0, 3.0, 10.0),
     )
-    consistent_mass: float = parameter(
-        1.0,
-        unit="1",
-        lower=0.0,
-        upper=1.0,
-        absent=None,
+    consistent_mass: float = share_parameter(
         doc="share of the shear in the shapes of the mass matrix; 0: those of Bernoulli and Euler",
-        alternative=0.0,
     )
 
     def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:

@@ -8,7 +8,7 @@ from typing import ClassVar, Self
 import numpy as np
 
 from modallab.core.dof import Dof
-from modallab.core.parameters import parameter
+from modallab.core.parameters import parameter, share_parameter
 from modallab.correlation.evidence import Evidence
 from modallab.fe.attachment import Attachment
 from modallab.fe.system import DynamicSystem
@@ -48,15 +48,9 @@ class StingerBending(Effect):
         scan_values=(0.05, 0.5),
         doc="of the rod: its lateral stiffness is three times the one in rotation, over length^2",
     )
-    coupling: float = parameter(
-        1.0,
-        unit="1",
-        lower=0.0,
-        upper=1.0,
-        absent=None,
-        scan_values=(0.0, 1.0),
+    coupling: float = share_parameter(
         doc="of rotation and lateral motion, over a clamped rod's; 0: two springs apart, as of flexures",
-        alternative=0.0,
+        scan_values=(0.0, 1.0),
     )
 
     def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:

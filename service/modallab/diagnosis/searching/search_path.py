@@ -126,9 +126,10 @@ def _exchanged(predictor: Predictor, path: SearchPath) -> SearchPath:
 
 
 def _with_neighbours(predictor: Predictor, accompanying: Sequence[Effect], fits: Sequence[Fit]) -> list[Fit]:
-    """Return fits with those at adjoining places of the best of some kinds, on and on while one is better.
+    """Return the fits, and further ones at the places that adjoin the best of each of the first kinds.
 
-    The place that was best while another effect was missing may be next to the true one.
+    Places are followed as long as a fit improves: the place that was best while another effect was missing
+    may be next to the true one.
 
     Parameters
     ----------

@@ -73,8 +73,9 @@ def test_an_effect_next_to_its_true_place_is_moved_there_though_no_fit_of_its_ro
     beside = ExtraMass(Dof(3, "Y"), 0.02)
     path = refine_path(predictor, accepted(predictor, beside, (), GAIN))
     assert names(path) == {kind_and_place(MASS), kind_and_place(GAIN)}
-    mass = next(effect for effect in path.fit.effects if effect.kind == MASS.kind)
-    assert abs(mass.parameters["mass"] - MASS.mass) < 0.05 * MASS.mass  # ten standard errors
+    pairs = zip(path.fit.effects, path.fit.errors, strict=True)
+    mass, errors = next((effect, errors) for effect, errors in pairs if effect.kind == MASS.kind)
+    assert abs(mass.parameters["mass"] - MASS.mass) < 4 * errors["mass"]  # four standard errors
 
 
 def test_what_made_up_for_a_wrong_effect_goes_with_it(predictor: Predictor) -> None:
