@@ -4,7 +4,7 @@ import asyncio
 import os
 import tempfile
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 
 import anyio
@@ -102,6 +102,16 @@ class RequestProcesses:
             self._free.release()
 
     async def _answered(self, request: Request, question: Forwarded) -> Answered:
+        """Return what a process answers; what only reads is asked of a second one if the first was killed."""
+        if request.method == "GET":
+            with suppress(BrokenWorkerProcess):
+                return await self._answered_once(request, question)
+        try:
+            return await self._answered_once(request, question)
+        except BrokenWorkerProcess:
+            raise self._too_costly(request, "memory") from None
+
+    async def _answered_once(self, request: Request, question: Forwarded) -> Answered:
         seconds = OFFLOADING.file_seconds if is_form(request) else OFFLOADING.seconds
         try:
             with anyio.fail_after(OFFLOADING.start_seconds):
@@ -110,10 +120,17 @@ class RequestProcesses:
                 return await self._processes.run(answer, self._settings, question)
         except TimeoutError:  # without as much processor time: the machine is busy
             raise _busy(self._most) from None
-        except (BrokenWorkerProcess, MemoryError):
-            what = "time" if (question.folder / OUT_OF_TIME).exists() else "memory"
-            _log.warning("a process that answered a request ended", path=request.url.path, too_much=what)
-            raise too_costly(request, f"the reply takes too much {what}") from None
+        except BrokenWorkerProcess:
+            if (question.folder / OUT_OF_TIME).exists():
+                raise self._too_costly(request, "time") from None
+            raise
+        except MemoryError:
+            raise self._too_costly(request, "memory") from None
+
+    @staticmethod
+    def _too_costly(request: Request, what: str) -> "TooCostlyError":
+        _log.warning("a process that answered a request ended", path=request.url.path, too_much=what)
+        return too_costly(request, f"the reply takes too much {what}")
 
     async def leave(self) -> None:
         """Kill the processes that answer, and wait for their end."""

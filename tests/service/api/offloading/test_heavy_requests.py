@@ -164,6 +164,25 @@ def test_what_takes_too_much_is_refused(
     assert limit in reply.json()["detail"]
 
 
+@pytest.mark.parametrize(("method", "status"), [("GET", 200), ("POST", 422)])
+def test_a_process_that_was_killed_is_asked_again_for_what_it_read(
+    offloading: Any, plate: str, monkeypatch: pytest.MonkeyPatch, method: str, status: int
+) -> None:
+    run, asked = offloading.app.state.processes._processes.run, 0
+
+    async def run_and_end_once(work: Any, *given: Any) -> Any:
+        nonlocal asked
+        asked += work is answer
+        return await (run(confinement.die) if work is answer and asked == 1 else run(work, *given))
+
+    monkeypatch.setattr(offloading.app.state.processes._processes, "run", run_and_end_once)
+    path, body = f"/v1/structures/{plate}/modes", None
+    if method == "POST":  # once more, it might leave two
+        path, body = "/v1/structures", HEAVY
+    assert offloading.request(method, path, json=body).status_code == status
+    assert asked == (2 if method == "GET" else 1)
+
+
 def test_stored_arrays_are_sent_by_this_process(offloading: Any, plate: str, counted: Counted) -> None:
     synthetic = {"count": 3, "dofs": ["20:+Z", "100:+Z", "150:+Z"]}
     modes = offloading.post(f"/v1/structures/{plate}/synthetic-modes", synthetic)["id"]
