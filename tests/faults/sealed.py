@@ -36,6 +36,8 @@ EFFECTS: Sequence[tuple[str, str, tuple[float, float]]] = (
     ("attached_oscillator", "mass", (0.02, 0.1)),
 )
 ID = re.compile(rb'"([0-9a-f]{24})"')
+PATH_ID = re.compile(r"(?<=/)[0-9a-f]{24}")
+CHANCE_BYTES = 4
 
 
 @dataclass(frozen=True)
@@ -165,13 +167,18 @@ def secrets(stored: StoredAssignment, student: str) -> Iterator[Secret]:
 
 
 def found(replies: Sequence[Reply], hidden: Sequence[Secret]) -> list[str]:
-    """Return where replies have what they may not."""
-    return [
-        f"{secret.name} {secret.content!r} in {reply.request}"
-        for reply in replies
-        for secret in hidden
-        if secret.is_in(reply.content) and not reply.request.startswith(secret.unless)
-    ]
+    """Return where replies have what they may not.
+
+    Four given bytes are in 33 MB by chance once in 130 searches, one of 60 such values in every other one. A
+    student measures each assignment twice: bytes that tell a value are in replies about more than one thing.
+    """
+    told = []
+    for secret in hidden:
+        having = [r for r in replies if secret.is_in(r.content) and not r.request.startswith(secret.unless)]
+        things = {match.group() if (match := PATH_ID.search(r.request)) else r.request for r in having}
+        if len(things) > 1 or len(secret.content) > CHANCE_BYTES:
+            told += [f"{secret.name} {secret.content!r} in {reply.request}" for reply in having]
+    return told
 
 
 def searched(school: School, n: int) -> tuple[list[Reply], list[Secret]]:

@@ -52,3 +52,14 @@ def test_the_search_finds_what_the_instructor_is_told(search: Search) -> None:
     truth = school.send("instructor", "GET", f"/v1/measurements/{made}/truth")
     named = {line.split()[0] for line in found([Reply("GET truth", 200, truth.content)], hidden)}
     assert named == {"kind", "place", "value"}
+
+
+def test_four_bytes_are_found_where_two_replies_have_them() -> None:
+    four, eight = Secret("value", b"abcd"), Secret("value", b"abcdefgh")
+
+    def reply(id: str, content: bytes) -> Reply:
+        return Reply(f"GET /v1/measurements/{id * 24}/arrays", 200, content)
+
+    assert found([reply("1", b"_abcd_"), reply("1", b"abcd")], [four]) == []
+    assert len(found([reply("1", b"_abcd_"), reply("2", b"abcd")], [four])) == 2
+    assert len(found([reply("1", b"_abcdefgh_")], [eight])) == 1
