@@ -213,7 +213,8 @@ def condense_if_cheaper(system: DynamicSystem, n_freq: float = np.inf) -> Dynami
     Solving for the modes again costs less than many attached columns at every one of many frequencies.
     Folded matrices and their modes are cached, and used for systems with a few attachments more.
     Attachments with internal coordinates stay attached, so that rows remain those of the DoFs; those of
-    tabulated stiffness too, as no matrix has it.
+    tabulated stiffness too, as no matrix has it; and a few dampers, whose matrix would couple the modes at
+    every frequency.
 
     Parameters
     ----------
@@ -230,10 +231,13 @@ def condense_if_cheaper(system: DynamicSystem, n_freq: float = np.inf) -> Dynami
         system
     ) <= RECEPTANCE.woodbury_products_per_dof * len(system.dofs):
         return system
-    plain = tuple(a for a in system.attachments if a.is_constant)
+    constant = [a for a in system.attachments if a.is_constant]
+    dampers = [a for a in constant if a.viscous is not None]
+    few = sum(a.columns.shape[1] for a in dampers) <= RECEPTANCE.woodbury_columns
+    plain = tuple(a for a in constant if not few or a not in dampers)
     folded = replace(system, attachments=plain).folded()
     system.cache.compute(FOLDED_SYSTEMS, tuple(a.key for a in plain), lambda: folded)
-    return replace(folded, attachments=tuple(a for a in system.attachments if not a.is_constant))
+    return replace(folded, attachments=tuple(a for a in system.attachments if a not in plain))
 
 
 def _n_motions(system: DynamicSystem) -> int:

@@ -125,6 +125,16 @@ def test_many_attachments_are_folded_once_and_for_all_that_follow() -> None:
         np.testing.assert_allclose(folded, direct_receptance(loaded, FREQ, at, at), rtol=1e-6)
 
 
+def test_a_damper_stays_attached_where_masses_are_folded() -> None:
+    system = many_masses().add_damper(Dof(7, "Y"), 40.0)
+    at = system.selection((Dof(1, "Y"), Dof(9, "Y")))
+    folded = condense_if_cheaper(system)
+    assert folded.viscous is None  # which would couple the modes at every frequency
+    assert [a.viscous is not None for a in folded.attachments] == [True]
+    found = attached_variants([system], 2 * np.pi * FREQ, [at], [at])[0]
+    np.testing.assert_allclose(found, direct_receptance(system, FREQ, at, at), rtol=1e-6)  # as above
+
+
 def test_what_hangs_twice_does_not_stand_in_for_what_was_folded_before() -> None:
     system = many_masses()
     at = system.selection((Dof(1, "Y"), Dof(9, "Y")))
