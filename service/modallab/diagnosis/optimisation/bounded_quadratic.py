@@ -75,7 +75,14 @@ class BoundedQuadratic:
         newton
             (n_steps, n) minima without a fixed parameter.
         """
-        n_fixed = int(fixed.sum(axis=1).max())
+        counts = fixed.sum(axis=1)
+        n_fixed = int(counts.max())
+        few = 2 * counts < n_fixed
+        if few.any():  # blocks are as large as the largest: apart, the small ones take an eighth of the time
+            steps = np.empty_like(newton)
+            for rows in (few, ~few):
+                steps[rows] = self._with_fixed(newton[rows], position[rows], fixed[rows])
+            return steps
         index = np.argsort(~fixed, axis=1, kind="stable")[:, :n_fixed]
         used = np.take_along_axis(fixed, index, axis=1)
         pairs = used[:, :, None] & used[:, None, :]
