@@ -101,6 +101,11 @@ class Fit:
         return self.n_parameters * self.cost_per_parameter + self._choice_penalty(self.n_placements)
 
     @property
+    def is_near_data(self) -> bool:
+        """Whether residuals are little more than random error, so that further parameters act linearly."""
+        return self.chi_square < FIT.near_noise * self.n_data
+
+    @property
     def penalty_between_kinds(self) -> float:
         """Penalty for a comparison of kinds of effects: every place of every kind is equally probable."""
         return self.penalty - self._choice_penalty(self.n_possible_placements)
@@ -201,8 +206,14 @@ def _fit(
 ) -> Fit:
     """Return `fit` with the random errors of the start."""
     plain, predictor = predictor, predictor.with_intermittent_errors([*fixed, *effects])
-    known = None if near is None or predictor.observed is not plain.observed else near.nuisance_derivatives
-    task = FitTask(predictor, fixed, ParameterVector(effects), known)
+    derivatives_near = None if near is None else near.nuisance_derivatives
+    # Those of a fit with effects are of the one before it.
+    always_known = near is not None and not near.effects and near.is_near_data
+    known = derivatives_near
+    if known is not None and predictor.observed is not plain.observed:
+        ratio = error_ratio(plain.observed, predictor.observed).astype(np.float32)
+        known = ratio[:, None] * known if always_known else None
+    task = FitTask(predictor, fixed, ParameterVector(effects), known, always_known=always_known)
     start, derivatives = minimised(task, max_chi_square, approach=approach)
     fitted_residual, final, position = task.residuals[start.tobytes()], *task.at(start)
     observed = predictor.observed
@@ -234,7 +245,7 @@ def _fit(
         *_placements(plain, [*fixed, *final]),
         position,
         starting_position,
-        known if effects or fixed else derivatives.astype(np.float32),
+        derivatives_near if effects or fixed else derivatives.astype(np.float32),
     )
 
 

@@ -19,7 +19,15 @@ from modallab.rig.effect import Effect
 
 
 class FitTask:
-    """Residuals of a fit by the parameters of effects and, after them, nuisance parameters."""
+    """Residuals of a fit by the parameters of effects and, after them, nuisance parameters.
+
+    Parameters
+    ----------
+    known
+        Derivatives (n_data, m) by the nuisance parameters, of a fit of the same data without the effects.
+    always_known
+        Whether renewals take them too, as that fit is so near the data that derivatives hardly differ.
+    """
 
     def __init__(
         self,
@@ -27,9 +35,11 @@ class FitTask:
         fixed: Sequence[Effect],
         parameters: ParameterVector,
         known: NDArray[np.float32] | None,
+        *,
+        always_known: bool = False,
     ) -> None:
         self.predictor, self.fixed, self.parameters = predictor, tuple(fixed), parameters
-        self._known = known
+        self._known, self._always_known = known, always_known
         observed = predictor.observed
         # Parameters of held-out channels alone act on no fitted line: they are fitted afterwards.
         self.free, self.held_out = predictor.nuisances.split(observed.outputs, observed.held_out)
@@ -53,7 +63,9 @@ class FitTask:
 
     def derivatives(self, u: FloatArray, _vector: FloatArray) -> FloatArray:
         """Return the derivatives (n_data, n) of residuals at a position that was evaluated."""
-        known, self._known = self._known, None  # they serve once: where they mislead they are renewed
+        known = self._known
+        if not self._always_known:
+            self._known = None  # they serve once: where they mislead they are renewed
         near = _Linearisation(self, u)
         nuisances = near.by_nuisances() if known is None else known.astype(float)
         return with_prior_rows(near.by_parameters(), nuisances, self._prior)

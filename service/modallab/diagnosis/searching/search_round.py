@@ -9,7 +9,6 @@ from modallab.core.errors import InvalidInputError
 from modallab.core.progress import Progress, part, silent
 from modallab.diagnosis.fitting.coarse_fit import coarse_fit
 from modallab.diagnosis.fitting.fit import Fit, fit, with_optional_parameters
-from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import is_noise_only, is_undetermined, ranked_by_bic
 from modallab.diagnosis.searching.imitation import is_imitated
@@ -166,20 +165,23 @@ class _Round:
     def _fit_from_declared(self) -> None:
         """Fit the best effects from the declared values of tolerances too, while none explains the test.
 
-        What tolerances took up of an effect that was missing may lead away from it.
+        What tolerances took up of an effect that was missing may lead away from it, unless that is little.
         """
-        if not self.fits or self.explanation is not None:
+        if not self.fits or self._base.is_near_data:
             return
         limit = ROUND.declared_cost * min(found.chi_square for found in self.fits)
-        for found in [found for found in self.fits if found.chi_square < limit]:
-            self._fit_one_from_declared(found)
+        new = [found for found in self.fits if kind_and_place(found.effects[-1]) not in self._from_declared]
+        self._from_declared |= {kind_and_place(found.effects[-1]) for found in new}
+        n_in_vain = 0
+        for found in sorted(new, key=lambda found: found.chi_square):
+            if found.chi_square < limit and n_in_vain < ROUND.declared_starts:
+                n_in_vain = 0 if self._fit_one_from_declared(found) else n_in_vain + 1
 
-    def _fit_one_from_declared(self, found: Fit) -> None:
-        predictor, name = self._predictor, kind_and_place(found.effects[-1])
-        n, done = len(predictor.nuisances), name in self._from_declared or self.explanation is not None
-        if not n or done or predictor.budget.exhausted:
-            return
-        self._from_declared.add(name)
+    def _fit_one_from_declared(self, found: Fit) -> bool:
+        """Fit an effect from the declared values too; return whether that is better by more than rounding."""
+        predictor, n = self._predictor, len(self._predictor.nuisances)
+        if not n or self.explanation is not None or predictor.budget.exhausted:
+            return False
         cost, start = self._start_of(found)
         with suppress(InvalidInputError):
             declared = predictor.with_nuisances_at(np.zeros(n))
@@ -188,6 +190,8 @@ class _Round:
                 self.fits[self.fits.index(found)] = other
                 if self._explains(other):
                     self._max_cost, self.explanation = ROUND.hopeless_cost * cost, other.effects[-1]
+                return (1 + ROUND.same_cost) * other.chi_square < found.chi_square
+        return False
 
     def _start_of(self, found: Fit) -> tuple[float, Effect]:
         """Return the cost and the effect of the coarse fit that a fit began at; of a neighbour its own."""
@@ -204,12 +208,10 @@ class _Round:
             if kind_and_place(effect) in self._suspected - self._fitted
         ]
         starts = scan(self._coarse, self._accepted, similar, silent) if similar else []
-        n = len(self.fits)
         for effect, cost in self._approached(starts, silent):
             if not predictor.budget.exhausted and self._is_competitive(cost):
                 self._fit(cost, effect)
-        for found in self.fits[n:]:
-            self._fit_one_from_declared(found)
+        self._fit_from_declared()
 
     @property
     def _is_budget_spent(self) -> bool:
@@ -222,8 +224,11 @@ class _Round:
 
     def _best_kinds(self) -> list[str]:
         """Return the kinds of the best fits of effects of the structure."""
-        order = sorted(self.fits, key=_bic)
-        kinds = dict.fromkeys(f.effects[-1].kind for f in order if f.effects[-1].structural)
+        order = [found.effects[-1] for found in sorted(self.fits, key=_bic)]
+        # Nonlinear forces cost most: beside a better explanation their neighbours are no better either.
+        explained = self.explanation is not None
+        likely = [effect for i, effect in enumerate(order) if not (explained and i and effect.on_motion())]
+        kinds = dict.fromkeys(effect.kind for effect in likely if effect.structural)
         return list(kinds)[: ROUND.kinds_at_neighbours]
 
     def _best_of(self, kind: str) -> Fit:
@@ -280,8 +285,7 @@ class _Round:
 
     def _explains(self, candidate: Fit) -> bool:
         # Gaps cost more than a fit where power leaks, and only those of fits near the data matter.
-        near = candidate.chi_square < FIT.near_noise * candidate.n_data
-        return near and is_noise_only(self._predictor, candidate)
+        return candidate.is_near_data and is_noise_only(self._predictor, candidate)
 
 
 def _bic(candidate: Fit) -> float:

@@ -252,6 +252,12 @@ class RoundSettings(Settings):
     linear_share: float = setting(
         0.6, doc="share of a round's progress before nonlinear forces", tuned="CPU time of simulated tests"
     )
+    declared_starts: int = setting(
+        2,
+        unit="fits",
+        doc="fits in a row that are no better from the declared values, after which no further one is tried",
+        tuned="the same mass is second; in a model that is a little wrong ten fits were, all in vain",
+    )
     hopeless_cost: float = setting(
         2.0,
         doc="cost of a coarse fit, over that of an explanation that leaves noise, above which none is fitted",

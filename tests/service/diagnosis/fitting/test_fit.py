@@ -11,6 +11,7 @@ from modallab.diagnosis.optimisation.tolerances import TolerancePreset, Toleranc
 from modallab.effects.accelerometer_mass import AccelerometerMass
 from modallab.effects.cable_mass import CableMass
 from modallab.effects.extra_mass import ExtraMass
+from modallab.effects.friction import Friction
 from modallab.effects.gain_error import GainError
 from modallab.effects.joint_flexibility import JointFlexibility
 from modallab.effects.loss_factor_error import LossFactorError
@@ -95,6 +96,27 @@ def test_a_fit_far_above_another_is_given_up_and_a_good_one_is_not() -> None:
     assert given_up <= 12 < spent(wrong, np.inf)[0]
     # One that comes below the limit goes on to the same minimum: to a tenth of a squared standard error.
     assert abs(spent(true.with_parameters({"factor": 1.1}), limit)[1] - right.chi_square) < 0.1
+
+
+@pytest.mark.parametrize(
+    ("hidden", "most"),
+    [(ExtraMass(Dof(4, "Y"), 2e-4), 15), (Friction(Dof(4, "Y"), force=0.03), np.inf)],  # friction simulates
+    ids=str,
+)
+def test_an_effect_that_is_little_more_than_noise_is_fitted_with_known_derivatives_by_tolerances(
+    hidden: ExtraMass | Friction, most: float
+) -> None:
+    predictor, _ = predicting(draw_measurement(rig(noise=3e-3), [hidden]))
+    tolerances = Tolerances.of({"modulus": 0.01, "modal_loss_factor": 0.2, "modulus_variation": 0.005})
+    nuisances = nuisance_parameters(tolerances, predictor.system, predictor.setup)
+    predictor = predictor.with_nuisances(nuisances)
+    alone, budget = fit(predictor, ()), predictor.budget
+    assert alone.is_near_data
+    before = budget.spent
+    near = fit(predictor, [hidden], near=alone)
+    assert budget.spent - before <= most  # 19 derivatives by tolerances would be more
+    # A fit ends where its steps gain less than a thirtieth of a standard deviation of each parameter.
+    assert near.chi_square < fit(predictor, [hidden]).chi_square + 0.1
 
 
 def test_a_parameter_stays_within_its_bounds() -> None:

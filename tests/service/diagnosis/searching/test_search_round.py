@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -94,6 +95,32 @@ def test_of_a_model_wrong_everywhere_a_fit_begins_at_the_declared_values_too(
     found, *_ = fit_candidates(predictor, without, Suspects([ExtraMass(Dof(6, "Y"))]), progress=silent)
     assert found.chi_square < 1.1 * found.n_data  # 1,900 squares scatter by 3 %
     assert found.effects[-1].parameters["mass"] == pytest.approx(0.05, rel=0.02)
+
+
+def test_two_vain_starts_at_the_declared_values_are_enough(monkeypatch: pytest.MonkeyPatch) -> None:
+    predictor, _ = predicting(draw_measurement(rig(), [ExtraMass(Dof(6, "Y"), 0.05)]))
+    base = fit(predictor, ())
+    candidates, tried = module._Round(predictor, base, set()), list[Fit]()
+
+    def begun(found: Fit, *, better: Sequence[str] = ()) -> bool:
+        tried.append(found)
+        return str(found.effects[0].at) in better
+
+    def fit_at(node: int) -> Fit:
+        return replace(
+            base, effects=(ExtraMass(Dof(node, "Y")),), chi_square=(1 + node / 100) * base.chi_square
+        )
+
+    monkeypatch.setattr(candidates, "_fit_one_from_declared", begun)
+    candidates.fits = [fit_at(node) for node in (10, 4, 8, 2, 6)]
+    candidates._fit_from_declared()
+    candidates._fit_from_declared()  # there is nothing new
+    assert tried == [candidates.fits[3], candidates.fits[1]]  # the best ones
+
+    monkeypatch.setattr(candidates, "_fit_one_from_declared", partial(begun, better=["3:+Y"]))
+    candidates.fits += [fit_at(node) for node in (7, 5, 3)]
+    candidates._fit_from_declared()
+    assert tried[2:] == candidates.fits[:4:-1]  # one was better: two more
 
 
 def test_an_error_of_all_members_is_fitted_though_many_single_ones_come_nearer_at_first(
