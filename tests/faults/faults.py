@@ -1,15 +1,16 @@
 """What befalls a site while a job runs; nobody starts or stops anything but a supervisor, as on a server."""
 
+import shutil
 import signal
 import sqlite3
 import time
 from collections.abc import Callable, Sequence
-from contextlib import closing
+from contextlib import closing, suppress
 
 import psutil
 
 from modallab.jobs.settings import JOB
-from tests.faults.site import Site
+from tests.faults.site import SMALL_DISK, Site
 
 Fault = Callable[[Site], None]
 POLITE_END = 30.0  # s; 5 on a quiet machine: a host that gives nothing back waits for its job, minutes
@@ -106,12 +107,31 @@ def writer_lock(seconds: float) -> Fault:
     return fault
 
 
+def disk_full(seconds: float) -> Fault:
+    """Return the fault that the disk with the data, a small one, is full for a time."""
+
+    def fault(site: Site) -> None:
+        assert shutil.disk_usage(site.data).total <= SMALL_DISK, "a real disk is not filled"
+        filler = site.data / "filler"
+        try:
+            with suppress(OSError), filler.open("wb", buffering=0) as file:
+                while True:
+                    file.write(bytes(65536))
+            time.sleep(seconds)
+        finally:
+            filler.unlink()
+
+    return fault
+
+
+ON_A_SMALL_DISK = "disk full for 10 s"
 EVERYWHERE: dict[str, Fault] = {
     "child killed": child_killed,
     "child killed ten times": child_killed_ten_times,
     "child stopped": child_stopped,
     "hosts killed": hosts_killed,
     "hosts replaced": hosts_replaced,
+    ON_A_SMALL_DISK: disk_full(10.0),
 }
 FAULTS: dict[str, dict[str, Fault]] = {
     "sqlite": {**EVERYWHERE, "writer lock of 45 s": writer_lock(45.0)},

@@ -3,6 +3,7 @@
 import signal
 import socket
 import subprocess
+import tempfile
 import threading
 import time
 from collections.abc import Iterator, Sequence
@@ -25,6 +26,28 @@ LIMIT = 60.0  # s after the end of a fault within which every job has ended
 # iterations after 60 s.
 BESIDE_OTHERS = 240.0  # s, the limit in the suite
 HARDLY = {"location_tolerance": 1e-12, "tolerance": 1e-12, "suspect_threshold": 0.0, "max_step": 1e-3}
+
+
+SMALL_DISK = 256 * 2**20  # bytes
+
+
+def may_mount() -> bool:
+    """Return whether a small disk may be had here."""
+    refused = OSError, subprocess.CalledProcessError
+    with tempfile.TemporaryDirectory() as folder, suppress(*refused), small_disk(Path(folder)):
+        return True
+    return False
+
+
+@contextmanager
+def small_disk(folder: Path) -> Iterator[None]:
+    """Keep a folder on a file system of its own that is soon full; needs root."""
+    options = ("-t", "tmpfs", "-o", f"size={SMALL_DISK}", "tmpfs", str(folder))
+    subprocess.run(["mount", *options], check=True, capture_output=True)
+    try:
+        yield
+    finally:
+        subprocess.run(["umount", "--lazy", str(folder)], check=True, capture_output=True)
 
 
 class Gate:
