@@ -197,8 +197,10 @@ def _large_plate(lab: Lab) -> list[Send]:
 
 
 def _modes_of_large_plate(lab: Lab) -> list[Send]:
-    id = lab.json("POST", "/structures", plate(200))["id"]
-    return [lambda: lab.request("GET", f"/structures/{id}/modes")]
+    made = lab.request("POST", "/structures", json=plate(200))
+    if not made.is_success:  # a slow machine refuses the plate itself
+        return [lambda: made]
+    return [lambda: lab.request("GET", f"/structures/{made.json()['id']}/modes")]
 
 
 CASES: dict[str, Callable[[Lab], list[Send]]] = {
