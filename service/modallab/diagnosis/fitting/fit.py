@@ -147,7 +147,7 @@ def fit(
     """
     found = _fit(predictor, effects, fixed, near, max_chi_square, approach=approach)
     bursts = any(effect.intermittent for effect in effects)
-    if bursts and found.chi_square < FIT.near_noise * found.n_data and _differ(effects, found.effects):
+    if bursts and found.is_near_data and _differ(effects, found.effects):
         return _fit(predictor, found.effects, fixed, near, max_chi_square, approach=approach)
     return found
 
@@ -206,14 +206,14 @@ def _fit(
 ) -> Fit:
     """Return `fit` with the random errors of the start."""
     plain, predictor = predictor, predictor.with_intermittent_errors([*fixed, *effects])
-    derivatives_near = None if near is None else near.nuisance_derivatives
+    near_derivatives = None if near is None else near.nuisance_derivatives
     # Those of a fit with effects are of the one before it.
-    always_known = near is not None and not near.effects and near.is_near_data
-    known = derivatives_near
+    keep_derivatives = near is not None and not near.effects and near.is_near_data
+    known = near_derivatives
     if known is not None and predictor.observed is not plain.observed:
         ratio = error_ratio(plain.observed, predictor.observed).astype(np.float32)
-        known = ratio[:, None] * known if always_known else None
-    task = FitTask(predictor, fixed, ParameterVector(effects), known, always_known=always_known)
+        known = ratio[:, None] * known if keep_derivatives else None
+    task = FitTask(predictor, fixed, ParameterVector(effects), known, keep_derivatives=keep_derivatives)
     start, derivatives = minimised(task, max_chi_square, approach=approach)
     fitted_residual, final, position = task.residuals[start.tobytes()], *task.at(start)
     observed = predictor.observed
@@ -245,7 +245,7 @@ def _fit(
         *_placements(plain, [*fixed, *final]),
         position,
         starting_position,
-        derivatives_near if effects or fixed else derivatives.astype(np.float32),
+        near_derivatives if effects or fixed else derivatives.astype(np.float32),
     )
 
 

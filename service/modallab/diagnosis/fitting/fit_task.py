@@ -25,7 +25,7 @@ class FitTask:
     ----------
     known
         Derivatives (n_data, m) by the nuisance parameters, of a fit of the same data without the effects.
-    always_known
+    keep_derivatives
         Whether renewals take them too, as that fit is so near the data that derivatives hardly differ.
     """
 
@@ -36,10 +36,10 @@ class FitTask:
         parameters: ParameterVector,
         known: NDArray[np.float32] | None,
         *,
-        always_known: bool = False,
+        keep_derivatives: bool = False,
     ) -> None:
         self.predictor, self.fixed, self.parameters = predictor, tuple(fixed), parameters
-        self._known, self._always_known = known, always_known
+        self._known, self._keep_derivatives = known, keep_derivatives
         observed = predictor.observed
         # Parameters of held-out channels alone act on no fitted line: they are fitted afterwards.
         self.free, self.held_out = predictor.nuisances.split(observed.outputs, observed.held_out)
@@ -64,7 +64,7 @@ class FitTask:
     def derivatives(self, u: FloatArray, _vector: FloatArray) -> FloatArray:
         """Return the derivatives (n_data, n) of residuals at a position that was evaluated."""
         known = self._known
-        if not self._always_known:
+        if not self._keep_derivatives:
             self._known = None  # they serve once: where they mislead they are renewed
         near = _Linearisation(self, u)
         nuisances = near.by_nuisances() if known is None else known.astype(float)

@@ -225,7 +225,7 @@ class _Round:
     def _best_kinds(self) -> list[str]:
         """Return the kinds of the best fits of effects of the structure."""
         order = [found.effects[-1] for found in sorted(self.fits, key=_bic)]
-        # Nonlinear forces cost most: beside a better explanation their neighbours are no better either.
+        # Fits of nonlinear forces cost most: one less probable than an explanation stays where it is.
         explained = self.explanation is not None
         likely = [effect for i, effect in enumerate(order) if not (explained and i and effect.on_motion())]
         kinds = dict.fromkeys(effect.kind for effect in likely if effect.structural)

@@ -255,8 +255,8 @@ class RoundSettings(Settings):
     declared_starts: int = setting(
         2,
         unit="fits",
-        doc="fits in a row that are no better from the declared values, after which no further one is tried",
-        tuned="the same mass is second; in a model that is a little wrong ten fits were, all in vain",
+        doc="fits in a row that a start at the declared values does not improve, after which none is tried",
+        tuned="the mass of `declared_cost` is second; of a model a little wrong none of ten was improved",
     )
     hopeless_cost: float = setting(
         2.0,
