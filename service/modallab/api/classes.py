@@ -16,7 +16,7 @@ from modallab.api.files import CsvRoute
 from modallab.api.keys import SECRET, KeyReply, KeysDep, NewKeyReply, keep_secret, key_reply, new_key_reply
 from modallab.api.media import CsvWanted, csv_replies, csv_reply
 from modallab.api.replies import reply
-from modallab.api.wire import HolderName, Reply, Wire
+from modallab.api.wire import ID_PATTERN, HolderName, Reply, Wire
 from modallab.core.errors import InvalidInputError
 from modallab.store.classes import Class, ClassBook
 from modallab.store.keys import NewKey
@@ -116,7 +116,7 @@ def _names(table: bytes) -> list[str]:
 
 ClassesDep = Annotated[ClassBook, Depends(_classes)]
 ListedDep = Annotated[MembersIn, Depends(_listed)]
-ResourceId = Annotated[str, Path(pattern=r"^[A-Za-z0-9_-]{1,64}$", description="id of what is shared")]
+ResourceId = Annotated[str, Path(pattern=ID_PATTERN, description="id of what is shared")]
 
 
 @router.post("", status_code=status.HTTP_201_CREATED, response_model=ClassReply, summary="Create a class")

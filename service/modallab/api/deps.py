@@ -9,6 +9,7 @@ from pydantic import StringConstraints
 
 from modallab.api.access import CallerDep
 from modallab.api.settings import ServiceSettings
+from modallab.api.wire import ID_PATTERN
 from modallab.jobs.runner import JobRunner, RequestKey
 from modallab.store.arrays import FolderArrays
 from modallab.store.base import Store
@@ -75,8 +76,8 @@ RequestKeyDep = Annotated[RequestKey | None, Depends(_request_key)]
 OwnerDep = Annotated[str, Depends(_owner)]
 ViewerDep = Annotated[Viewer, Depends(_viewer)]
 
-Id = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
-IdPath = Annotated[str, Path(pattern=r"^[A-Za-z0-9_-]{1,64}$", description="id of the stored object")]
+Id = Annotated[str, StringConstraints(pattern=ID_PATTERN)]
+IdPath = Annotated[str, Path(pattern=ID_PATTERN, description="id of the stored object")]
 Limit = Annotated[int, Query(ge=1, le=500, description="how many entries at most")]
 After = Annotated[Id | None, Query(description="id of the last entry of the page before")]
 OwnerWanted = Annotated[

@@ -34,6 +34,7 @@ Fraction = Annotated[Number, Limits(0.0, 1.0)]
 NodeNumber = Annotated[Count, Limits(1, 999_999_999)]
 NoiseFloor = Annotated[float, Field(gt=0, le=1), NO_CONVERSION]
 ModeCount = Annotated[int, Field(ge=1, le=100), NO_CONVERSION]
+ID_PATTERN = r"^[A-Za-z0-9_-]{1,64}$"
 Text = Annotated[str, StringConstraints(max_length=100, pattern=r"^[^\x00]*$")]
 HolderName = Annotated[str, StringConstraints(min_length=1, max_length=100, pattern=r"^[^\x00-\x1f]+$")]
 DofText = Annotated[

@@ -27,6 +27,7 @@ from modallab.api.examples import example
 from modallab.api.jobs import JobReply, job_reply
 from modallab.api.keys import KeysDep
 from modallab.api.media import CsvWanted, csv_or, csv_replies
+from modallab.api.wire import ID_PATTERN
 from modallab.assignments.marking import marked
 from modallab.core.errors import ModalLabError
 from modallab.jobs.durations import duration_of_stepped_measurement
@@ -76,7 +77,7 @@ async def _assignments(request: Request) -> AssignmentBook:
     return assignments
 
 
-StudentPath = Annotated[str, Path(pattern=r"^[A-Za-z0-9_-]{1,64}$", description="id of the student's key")]
+StudentPath = Annotated[str, Path(pattern=ID_PATTERN, description="id of the student's key")]
 AssignmentsDep = Annotated[AssignmentBook, Depends(_assignments)]
 
 

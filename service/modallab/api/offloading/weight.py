@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from collections.abc import Iterator
 from contextlib import suppress
 from functools import partial
@@ -11,6 +12,7 @@ from anyio import to_thread
 from starlette.requests import Request
 
 from modallab.api.offloading.settings import OFFLOADING
+from modallab.api.wire import ID_PATTERN
 from modallab.store.base import Store
 
 _FORM = "multipart/form-data"
@@ -52,7 +54,9 @@ def _is_stored_file(request: Request) -> bool:
 
 def _ids(values: Any) -> Iterator[str]:
     for name, value in values.items():
-        if (name in _OTHERS or name.endswith("_id")) and isinstance(value, str):
+        named = name in _OTHERS or name.endswith("_id")
+        # What is no id is refused where it is read; a database may not even compare it.
+        if named and isinstance(value, str) and re.fullmatch(ID_PATTERN, value):
             yield value
 
 
