@@ -11,6 +11,7 @@ from modallab.core.dof import Dof
 from modallab.core.errors import DivergedError
 from modallab.core.numerics import COMPARISON_ROUNDING
 from modallab.fe.system import DynamicSystem
+from modallab.rig.force_equilibrium import ForceEquilibrium
 from modallab.rig.local_force import LinearisedForce
 from modallab.rig.nonlinear_settings import TIME_STEPPING
 
@@ -181,7 +182,7 @@ def residual_forces(
     """Return the residual of every local force over time, (n_samples, n_run, n, r) N.
 
     The motion is what the sources alone cause in the linearised structure plus what the residuals
-    themselves cause, from rest; at the end of each step the force there is found by Newton's method.
+    themselves cause, from rest; the forces at the ends of the steps are found by Newton's method.
 
     Parameters
     ----------
@@ -196,7 +197,7 @@ def residual_forces(
     DivergedError
         If a force is too steep for the steps.
     """
-    balance, block = _ForceEquilibrium(linearised, stepper.impulse_response[0]), stepper.block
+    equilibrium, block = ForceEquilibrium(linearised, stepper.impulse_response), stepper.block
     first = linear_motion(0, 1)[0]
     out = np.empty((n_samples, *first.shape))
     force = np.zeros_like(first)
@@ -204,19 +205,11 @@ def residual_forces(
     with np.errstate(over="ignore", invalid="ignore"):
         for start in range(0, n_samples, block):
             end = min(start + block, n_samples)
-            free_motion, block_forces = (
-                stepper.free_motion(state)[: end - start] + linear_motion(start, end),
-                out[start:end],
-            )
-            for t in range(end - start):
-                force = balance.force(free_motion[t], force)
-                block_forces[t] = force
-                if t + 1 < len(free_motion):
-                    free_motion[t + 1 :] += _later_motions(
-                        stepper.impulse_response[1 : len(free_motion) - t], force
-                    )
+            free_motion = stepper.free_motion(state)[: end - start] + linear_motion(start, end)
+            forces = equilibrium.forces(free_motion, force)
+            out[start:end], force = forces, forces[-1]
             if end - start == block:
-                state = stepper.advance(state, block_forces)
+                state = stepper.advance(state, forces)
     if not np.isfinite(out).all():
         raise DivergedError(
             "a nonlinear force is too steep to be stepped through time at this level",
@@ -224,40 +217,3 @@ def residual_forces(
             allowed="a lower level, or the expected route",
         )
     return np.negative(out, out=out)
-
-
-def _later_motions(answer: FloatArray, force: FloatArray) -> FloatArray:
-    """Return the motions (n, n_run, n_records, r) at later steps due to one force."""
-    if force.shape[-1] == 1:
-        return answer * force
-    return np.asarray(force @ answer.swapaxes(2, 3))
-
-
-class _ForceEquilibrium:
-    """Newton solver of the residual force at the end of a step: F = -g(free + compliance F)."""
-
-    def __init__(self, linearised: Sequence[Sequence[LinearisedForce]], compliance: FloatArray) -> None:
-        self._laws = [local.force for local in linearised[0]]
-        self._lines = np.array([[local.slope for local in run] for run in linearised])[
-            :, None
-        ]  # (n_run, 1, r)
-        self._compliance = compliance  # (n_run, r, r): what a force does within its own step
-
-    def force(self, free: FloatArray, guess: FloatArray) -> FloatArray:
-        """Return the forces (n_run, n, r) at given motions without them, from an initial guess."""
-        force = guess
-        if len(self._laws) == 1:
-            law, soft, line = self._laws[0], self._compliance, self._lines
-            for _ in range(TIME_STEPPING.newton_iterations):
-                x = free + soft * force
-                imbalance = force + law.law(x) - line * x
-                force = force - imbalance / (1 + soft * (law.slope(x) - line))
-            return force
-        for _ in range(TIME_STEPPING.newton_iterations):
-            x = free + force @ self._compliance.swapaxes(1, 2)
-            laws = list(enumerate(self._laws))
-            imbalance = force + np.stack([law.law(x[..., i]) for i, law in laws], axis=-1) - self._lines * x
-            slope = np.stack([law.slope(x[..., i]) for i, law in laws], axis=-1) - self._lines
-            matrix = np.eye(len(laws)) + slope[..., None] * self._compliance[:, None]
-            force = force - np.linalg.solve(matrix, imbalance[..., None])[..., 0]
-        return force
