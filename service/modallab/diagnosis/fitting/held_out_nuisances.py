@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 
 import numpy as np
-import scipy
 
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.numerics import COMPARISON_ROUNDING
+from modallab.diagnosis.optimisation.bounded_least_squares import bounded_least_squares
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.diagnosis.residuals.residual import Residual, residual
@@ -49,5 +49,5 @@ def fit_held_out_nuisances(
     limits = predictor.nuisances.limits
     reach = limits[indices] + COMPARISON_ROUNDING
     bounds = -reach - position[indices], reach - position[indices]
-    position[indices] += scipy.optimize.lsq_linear(rows, target, bounds, method="bvls").x
+    position[indices] += bounded_least_squares(rows, target, bounds)
     return position.clip(-limits, limits)

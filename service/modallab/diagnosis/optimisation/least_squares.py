@@ -4,11 +4,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 
 from modallab.core.arrays import FloatArray
 from modallab.core.errors import InvalidInputError
 from modallab.core.numerics import PRODUCT_ROUNDING
+from modallab.diagnosis.optimisation.bounded_least_squares import bounded_least_squares
 from modallab.diagnosis.optimisation.settings import DIFFERENCE, LEAST_SQUARES
 
 ResidualFunction = Callable[[FloatArray], FloatArray]
@@ -187,33 +187,12 @@ class BoundedGaussNewton:
         high = np.minimum(self._high - self.position, trust_radius)
         # A parameter on its bound still needs a box that is not empty.
         box = low, np.maximum(high, low + PRODUCT_ROUNDING)
-        step = _bounded_minimum(jacobian, -vector, box).clip(low, high)
+        step = bounded_least_squares(jacobian, -vector, box).clip(low, high)
         return step, float(vector @ vector - np.sum((vector + jacobian @ step) ** 2))
 
     @staticmethod
     def _cost(vector: FloatArray, weights: FloatArray | None) -> float:
         return float(vector @ vector) if weights is None else float(np.sum((weights * vector) ** 2))
-
-
-def _bounded_minimum(
-    triangle: FloatArray, target: FloatArray, box: tuple[FloatArray, FloatArray]
-) -> FloatArray:
-    """Return x (n,) between bounds that minimises |triangle x - target|.
-
-    By back substitution where no bound holds, which takes a fiftieth of the time of a bounded solution.
-
-    Parameters
-    ----------
-    triangle
-        (m, n), upper triangular.
-    """
-    n = triangle.shape[1]
-    diagonal = np.abs(np.diag(triangle))
-    if n and diagonal.min() > PRODUCT_ROUNDING * diagonal.max():
-        x = scipy.linalg.solve_triangular(triangle[:n], target[:n])
-        if (x >= box[0]).all() and (x <= box[1]).all():
-            return np.asarray(x)
-    return np.asarray(scipy.optimize.lsq_linear(triangle, target, box, method="bvls").x)
 
 
 def _triangle(system: FloatArray) -> FloatArray:

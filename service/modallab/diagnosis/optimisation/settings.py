@@ -79,6 +79,12 @@ class LeastSquaresSettings(Settings):
         doc="share of a column that others leave, below which products of columns are not precise enough",
         derived="its square has eight digits left in double precision",
     )
+    pivots: int = setting(
+        12,
+        unit="solutions",
+        doc="solutions of least squares between bounds, before its parameters change sides one at a time",
+        derived="three or four are enough mostly",
+    )
     projected_steps: int = setting(
         5,
         unit="steps",
