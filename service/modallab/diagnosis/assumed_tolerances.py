@@ -48,12 +48,36 @@ def _refitted(fits: Sequence[Fit], second: SearchResult, alone: Fit) -> list[Fit
     def refitted(single: Fit) -> Fit:
         if _names(single.effects) == _names(alone.effects):
             return alone
-        found = fit(predictor, single.effects, near=second.path.fit, max_chi_square=max_chi_square)
+        is_rival = single.chi_square < ROUND.refitted_cost * fits[0].chi_square
+        limit = np.inf if is_rival else max_chi_square
+        found = fit(predictor, single.effects, near=second.path.fit, max_chi_square=limit)
         if found.chi_square > max_chi_square:
             return found
         return with_optional_parameters(predictor, found, second.path.fit)
 
     return ranked_by_bic([refitted(single) for single in competitive])
+
+
+def near_data_round(fits: Sequence[Fit], first: SearchResult) -> list[Fit]:
+    """Return fits of single effects under the first tolerances, of those that come near the data there.
+
+    Parameters
+    ----------
+    fits
+        Of single effects under other tolerances.
+    """
+    start = first.path.fit
+    predictor, limit = (
+        first.predictor.with_nuisances_at(start.starting_position),
+        FIT.near_noise * start.n_data,
+    )
+    limits = [np.inf if i < ROUND.min_fits else limit for i in range(len(fits))]
+    found = [
+        fit(predictor, one.effects, near=start, max_chi_square=most)
+        for one, most in zip(fits, limits, strict=True)
+    ]
+    near = [with_optional_parameters(predictor, each, start) for each in found if each.is_near_data]
+    return ranked_by_bic(near)
 
 
 def refitted_path(path: SearchPath, second: SearchResult) -> SearchPath | None:

@@ -12,6 +12,7 @@ from modallab.diagnosis.assumed_tolerances import (
     deviates_alone,
     explains_more,
     may_hide_effects,
+    near_data_round,
     refitted_path,
     refitted_round,
 )
@@ -75,7 +76,8 @@ class SearchTask:
         The stated tolerances come first: a model that is exact loses nothing by those assumed. They are not
         searched further where the assumed ones leave random error alone, beside one effect at most. If
         the nuisance parameters then deviate far, or one tolerance alone, a single effect that leaves random
-        error alone under the stated tolerances is preferred.
+        error alone under the stated tolerances is preferred. Where the assumed ones alone come near the data
+        the search under them comes first: the model is wrong in many places.
         """
         pulse(0.0, "predicting the tests from model and log book")
         first = self._start(stated, pulse)
@@ -85,13 +87,15 @@ class SearchTask:
         nothing_missing = is_noise_only(second.predictor, second.path.fit)
         if nothing_missing and not _suggest_effect(second, stated):
             return self._search_from(second, 1, pulse), assumed
+        if not nothing_missing and second.path.fit.is_near_data and not first.path.fit.is_near_data:
+            return self._search_beside_assumed(first, second, assumed, pulse)
         # A search for one effect that explains nothing ends before half of its progress.
         single_effects = self._first_round(first, second, part(pulse, 0.05, 0.25))
         found = self._search_from(first, 1, pulse, single_effects)
         if nothing_missing:
             return (second, assumed) if found.unexplained_parts else (found, None)
         if _explains_frfs(found):
-            return found, None
+            return self._with_spectra_explained(found, single_effects, part(pulse, 0.5, 1.0)), None
         return self._search_further(first, second, found, single_effects, assumed, pulse)
 
     def _search_further(
@@ -137,6 +141,41 @@ class SearchTask:
         if further.unexplained_parts and explains_more(found.path.fit, further.path.fit):
             return found, None
         return further, assumed
+
+    def _with_spectra_explained(
+        self, found: SearchResult, single_effects: Sequence[Fit], progress: Progress
+    ) -> SearchResult:
+        """Return a search for further effects where one explains the FRFs alone, as beside a wrong armature.
+
+        Parameters
+        ----------
+        found
+            The best single effect.
+        single_effects
+            Fits of single effects under the same tolerances, best first.
+        """
+        complete = not found.unexplained_parts or is_prediction_error(found.predictor, found.path)
+        if complete or self.max_effects == 1:
+            return found
+        start = replace(found, path=SearchPath(found.path.start))
+        return self._search_from(start, self.max_effects, progress, single_effects)
+
+    def _search_beside_assumed(
+        self, first: SearchResult, second: SearchResult, assumed: Tolerances, pulse: Pulse
+    ) -> tuple[SearchResult, Tolerances | None]:
+        """Return what `run` does where the assumed tolerances alone come near the data, not the stated ones.
+
+        A single effect that leaves random error alone under the stated tolerances too is preferred.
+        """
+        suspects, start = self._suspects(second.predictor), second.path.start
+        single_effects = fit_candidates(second.predictor, start, suspects, progress=part(pulse, 0.05, 0.4))
+        alone = near_data_round(single_effects, first)
+        if alone:
+            found = self._search_from(first, 1, part(pulse, 0.4, 0.5), alone)
+            if _explains_frfs(found):
+                return self._with_spectra_explained(found, alone, part(pulse, 0.5, 1.0)), None
+        stage = part(pulse, 0.5, 1.0)
+        return self._search_from(second, self.max_effects, stage, single_effects), assumed
 
     def _start(self, tolerances: Tolerances, pulse: Pulse) -> SearchResult:
         """Return the fit under tolerances without any effect."""

@@ -20,8 +20,10 @@ from modallab.diagnosis.options import DiagnosisOptions
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.result import Diagnosis, Verdict
 from modallab.diagnosis.search_result import SearchResult
+from modallab.diagnosis.searching import search_round
 from modallab.diagnosis.searching.search import search
 from modallab.diagnosis.searching.search_path import SearchPath
+from modallab.effects.exciter_armature import ExciterArmature
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.gain_error import GainError
 from modallab.effects.stiffness_error import StiffnessError
@@ -48,11 +50,15 @@ SLIGHTLY_UNEVEN = MemberTolerance(
 
 
 def diagnosed(
-    *hidden: Effect, uploaded: bool = True, preset: TolerancePreset | None = None, max_effects: int = 1
+    *hidden: Effect,
+    uploaded: bool = True,
+    preset: TolerancePreset | None = None,
+    max_effects: int = 1,
+    suspects: tuple[str, ...] = SUSPECTS,
 ) -> Diagnosis:
     test = draw_measurement(rig(), hidden)
     test = replace(test, route=None if uploaded else Route.DRAWN)
-    options = DiagnosisOptions(suspects=SUSPECTS, tolerances=preset, max_effects=max_effects)
+    options = DiagnosisOptions(suspects=suspects, tolerances=preset, max_effects=max_effects)
     return diagnose_with_options(model(), test, options)
 
 
@@ -242,3 +248,51 @@ def test_more_effects_have_to_leave_far_less_than_assumed_tolerances_do() -> Non
     # As many effects that leave less: the second search has missed one of them.
     assert assumed_tolerances.explains_more(fitted(2, 2000.0), fitted(3, 2050.0))
     assert not assumed_tolerances.explains_more(fitted(2, 2050.0), fitted(2, 2000.0))
+
+
+def searched_with(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """The numbers of nuisance parameters of the rounds of a search, filled as they begin."""
+    numbers: list[int] = []
+    fit_candidates = search_round.fit_candidates
+
+    def recorded(predictor: Predictor, *given: Any, **options: Any) -> list[Fit]:
+        numbers.append(len(predictor.nuisances))
+        return fit_candidates(predictor, *given, **options)
+
+    monkeypatch.setattr(search_task, "fit_candidates", recorded)
+    return numbers
+
+
+def test_where_assumed_tolerances_come_near_the_data_effects_beside_them_come_first(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A gain beside a model that is wrong everywhere: a round without tolerances took half of the time."""
+    numbers = searched_with(monkeypatch)
+    found = diagnosed(UNEVEN, GainError(Channels((Dof(9, "Y"),)), 1.01))
+    assert found.verdict is Verdict.EXPLAINED
+    assert [(step.effect.kind, str(step.effect.at)) for step in found.steps] == [
+        ("gain_error", "channels 9:+Y")
+    ]
+    assert len(numbers) == 1
+    assert numbers[0] > N_MEMBERS
+
+
+def test_an_effect_of_an_exact_model_that_they_nearly_explain_needs_none(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    numbers = searched_with(monkeypatch)
+    found = diagnosed(StiffnessError(Members((4,)), 1.03))
+    assert found.verdict is Verdict.EXPLAINED
+    assert [(step.effect.kind, str(step.effect.at)) for step in found.steps] == [
+        ("stiffness_error", "members 4")
+    ]
+    assert not found.tolerated
+    assert numbers[0] > N_MEMBERS
+
+
+def test_what_changes_spectra_alone_is_searched_for_where_one_effect_explains_the_frfs() -> None:
+    """The search ended there: `partly_explained`, 27 of 32 of the gap of the force left."""
+    hidden = ExtraMass(Dof(4, "Y"), 0.1), ExciterArmature(mass=0.06)
+    found = diagnosed(*hidden, max_effects=2, suspects=(*SUSPECTS, "exciter_armature"))
+    assert found.verdict is Verdict.EXPLAINED
+    assert {step.effect.kind for step in found.steps} == {"extra_mass", "exciter_armature"}

@@ -249,6 +249,11 @@ class RoundSettings(Settings):
         doc="chi-square over that of the best fit above which none is begun at the declared values too",
         tuned="a mass on a student's frame: 1.1 times that of the best wrong place, and 1/46 from there",
     )
+    refitted_cost: float = setting(
+        2.0,
+        doc="chi-square over that of the best fit, up to which other tolerances repeat a fit in full",
+        tuned="a rotational spring at the drive beside a bending stinger: given up after a few steps",
+    )
     linear_share: float = setting(
         0.6, doc="share of a round's progress before nonlinear forces", tuned="CPU time of simulated tests"
     )
