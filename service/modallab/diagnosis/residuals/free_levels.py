@@ -190,13 +190,16 @@ class FreeLevels:
         lines: IntArray | None,
     ) -> CrossSpectra:
         """Return expected spectra with noise of the responses within the error of its level."""
-        force, _, coherent, other = _coherent_parts(spectra if lines is None else spectra.at(lines))
-        measured, variance = _incoherent(observed, force[..., 0])
+        force, _, coherent, other = _coherent_parts(spectra)
+        at_lines = slice(None) if lines is None else lines
+        measured, variance = _incoherent(observed, force[at_lines, :, 0])
         if measured is None or variance is None:
             return spectra
         weight = (observed.usable & ~observed.held_out_lines[:, None]) / variance
-        excess = declared_noise.excess(IncoherentSpectra(measured, weight, other, coherent))
-        return replace(spectra, xx=spectra.xx + excess[:, None])
+        level = declared_noise.level(IncoherentSpectra(measured, weight, other[at_lines], coherent[at_lines]))
+        n_run, n_freq, n_out = spectra.xx.shape
+        excess = (level - 1) * declared_noise.within(other)
+        return replace(spectra, xx=spectra.xx + excess.reshape(n_freq, n_run, n_out).swapaxes(0, 1))
 
     @staticmethod
     def _with_force_noise(

@@ -70,26 +70,32 @@ class DeclaredResponseNoise:
         concentration = (response**2).sum(axis=1) / (response.sum(axis=1) ** 2 + SAFE_SQUARED_DIVISOR)
         return cls(noise, np.sqrt(NOISE_REFERENCE.stated_error**2 + concentration / averages))
 
-    def excess(self, spectra: "IncoherentSpectra") -> FloatArray:
-        """Return what fits measured incoherent spectra best, less the declared noise, (n_run, n_out).
+    def level(self, spectra: "IncoherentSpectra") -> FloatArray:
+        """Return the level that fits measured incoherent spectra best, over the declared one, (n_out,).
 
         Gauss-Newton steps of the logarithm of each channel's noise, within some standard errors of it.
         """
-        declared, error = self.noise.ravel(), self.error.ravel()
-        logarithm, shift = np.log(spectra.measured), np.zeros_like(declared)
-        reach = NOISE_REFERENCE.reach * error
+        error = self.error.ravel()
+        logarithm, shift, reach = (
+            np.log(spectra.measured),
+            np.zeros_like(error),
+            NOISE_REFERENCE.reach * error,
+        )
+        noise = self.within(spectra.expected)
         for _ in range(NOISE_REFERENCE.max_iterations):
-            noise = declared * np.exp(shift)
-            expected = np.maximum(spectra.expected + noise - declared, COHERENCE_ROUNDING * spectra.expected)
-            share = noise / (expected + SAFE_DIVISOR)
-            gradient = (spectra.weight * share * (logarithm - np.log(expected))).sum(
-                axis=0
-            ) - shift / error**2
-            curvature = (spectra.weight * share**2).sum(axis=0) + 1 / error**2
+            expected = spectra.expected + np.expm1(shift) * noise
+            share = np.exp(shift) * noise / expected
+            weighted = spectra.weight * share
+            gradient = (weighted * (logarithm - np.log(expected))).sum(axis=0) - shift / error**2
+            curvature = (weighted * share).sum(axis=0) + 1 / error**2
             before, shift = shift, (shift + gradient / curvature).clip(-reach, reach)
             if np.abs(shift - before).max() < NOISE_REFERENCE.tolerance:
                 break
-        return np.asarray((declared * np.expm1(shift)).reshape(self.noise.shape))
+        return np.asarray(np.exp(shift))
+
+    def within(self, incoherent: FloatArray) -> FloatArray:
+        """Return the part of incoherent spectra (n_freq, n_out) that is this noise, no more than all."""
+        return np.minimum(self.noise.ravel(), incoherent)
 
 
 @dataclass(frozen=True, eq=False)
