@@ -46,7 +46,7 @@ def _refitted(fits: Sequence[Fit], second: SearchResult, alone: Fit) -> list[Fit
     max_chi_square = FIT.near_noise * alone.chi_square if explained else np.inf
 
     def refitted(single: Fit) -> Fit:
-        if _names(single.effects) == _names(alone.effects):
+        if kinds_and_places(single.effects) == kinds_and_places(alone.effects):
             return alone
         is_rival = single.chi_square < ROUND.refitted_cost * fits[0].chi_square
         limit = np.inf if is_rival else max_chi_square
@@ -132,7 +132,8 @@ def _may_hide_effect(under_stated: Fit, under_assumed: Fit, without_effect: Fit)
     return ROUND.competitive_cost * by_tolerances > by_effect
 
 
-def _names(effects: Sequence[Effect]) -> list[tuple[str, str]]:
+def kinds_and_places(effects: Sequence[Effect]) -> list[tuple[str, str]]:
+    """Return kind and place of each of some effects."""
     return [kind_and_place(effect) for effect in effects]
 
 

@@ -11,6 +11,7 @@ from modallab.diagnosis.assumed_tolerances import (
     deviate_far,
     deviates_alone,
     explains_more,
+    kinds_and_places,
     may_hide_effects,
     near_data_round,
     refitted_path,
@@ -134,8 +135,17 @@ class SearchTask:
                 if path is not None and not may_hide_effects(found.path, second):
                     return replace(second, path=path), assumed
         refitted = refitted_round(single_effects, second, alone)
+        if refitted is None and len(alone.effects) == 1 and is_noise_only(second.predictor, alone):
+            refitted = fit_candidates(
+                second.predictor,
+                second.path.start,
+                self._suspects(second.predictor),
+                progress=part(pulse, 0.5, 0.75),
+                known=alone,
+            )
         further = self._search_from(second, self.max_effects, part(pulse, 0.75, 1.0), refitted)
-        path = refitted_path(found.path, second)
+        same = kinds_and_places(further.path.fit.effects) == kinds_and_places(found.path.fit.effects)
+        path = None if same else refitted_path(found.path, second)
         if path is not None and (further.unexplained_parts or path.fit.bic < further.path.fit.bic):
             return replace(second, path=path), assumed
         if further.unexplained_parts and explains_more(found.path.fit, further.path.fit):

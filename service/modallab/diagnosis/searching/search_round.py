@@ -28,6 +28,7 @@ def fit_candidates(
     *,
     progress: Progress,
     explains: Callable[[Fit], bool] | None = None,
+    known: Fit | None = None,
 ) -> list[Fit]:
     """Return fits of the accepted effects with one suspect added, best first, one per kind and place.
 
@@ -36,6 +37,9 @@ def fit_candidates(
     explains
         Whether a fit leaves random error alone beside what this predictor does not know, as tolerances that
         are assumed later; None: what leaves random error alone for this predictor.
+    known
+        Fit of the accepted effects and one suspect that leaves random error alone, if there is one: of the
+        others those are fitted that may come as near.
     """
     predictor = predictor.with_nuisances_at(base.starting_position)
     likely = suspects.of(predictor, base.effects)
@@ -44,6 +48,8 @@ def fit_candidates(
     share = ROUND.linear_share if nonlinear else 1.0
     suspected = {kind_and_place(effect) for effect in suspects.effects}
     candidates = _Round(predictor, base, suspected)
+    if known is not None:
+        candidates.add_explanation(known)
     candidates.examine(linear, part(progress, 0.0, share))
     if explains is not None and nonlinear:
         candidates.accept_best(explains)
@@ -96,6 +102,15 @@ class _Round:
         self._fit_neighbours()
         self._fit_from_declared()
         self._fit_similar_kinds()
+
+    def add_explanation(self, known: Fit) -> None:
+        """Add the fit of a suspect that leaves random error alone."""
+        effect = known.effects[-1]
+        _, cost = coarse_fit(self._coarse, self._accepted, effect, 0.0)
+        self._fitted.add(kind_and_place(effect))
+        self._candidates[kind_and_place(effect)] = (cost, effect)
+        self.fits.append(known)
+        self._max_cost, self.explanation = ROUND.hopeless_cost * cost, effect
 
     def accept_best(self, explains: Callable[[Fit], bool]) -> None:
         """Take the best fit for the explanation if it is one, unless there is one already."""
@@ -224,9 +239,12 @@ class _Round:
 
     def _best_kinds(self) -> list[str]:
         """Return the kinds of the best fits of effects of the structure."""
-        order = [found.effects[-1] for found in sorted(self.fits, key=_bic)]
-        # Fits of nonlinear forces cost most: one less probable than an explanation stays where it is.
         explained = self.explanation is not None
+        least = min((found.chi_square for found in self.fits), default=0.0)
+        limit = ROUND.competitive_cost * least if explained else np.inf
+        near = [found for found in self.fits if found.chi_square <= limit]
+        order = [found.effects[-1] for found in sorted(near, key=_bic)]
+        # Fits of nonlinear forces cost most: one less probable than an explanation stays where it is.
         likely = [effect for i, effect in enumerate(order) if not (explained and i and effect.on_motion())]
         kinds = dict.fromkeys(effect.kind for effect in likely if effect.structural)
         return list(kinds)[: ROUND.kinds_at_neighbours]

@@ -22,6 +22,7 @@ from modallab.diagnosis.predicting.prediction_budget import PredictionBudget
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.scanning import StartingPoint, scan
 from modallab.diagnosis.searching.search_round import fit_candidates
+from modallab.diagnosis.searching.settings import ROUND
 from modallab.diagnosis.searching.suspects import Suspects
 from modallab.effects.attached_oscillator import AttachedOscillator
 from modallab.effects.cubic_stiffness import CubicStiffness
@@ -297,3 +298,22 @@ def test_an_oscillator_of_undetermined_frequency_stands_for_no_more_than_its_mas
     suspects = Suspects([AttachedOscillator(at), ExtraMass(at)])
     best, *_ = fit_candidates(predictor, fit(predictor, ()), suspects, progress=silent)
     assert best.effects[-1].kind == kind
+
+
+def test_beside_a_known_explanation_its_rivals_alone_are_fitted(monkeypatch: pytest.MonkeyPatch) -> None:
+    hidden = ExtraMass(Dof(6, "Y"), 0.05)
+    predictor, _ = predicting(draw_measurement(rig(), [hidden]))
+    base = fit(predictor, ())
+    known = fit(predictor, (hidden,), near=base)
+    begun: list[str] = []
+
+    def recorded(*given: Any, **options: Any) -> Fit:
+        begun.append(str(given[1][-1].at))
+        return fit(*given, **options)
+
+    monkeypatch.setattr(module, "fit", recorded)
+    suspects = Suspects([ExtraMass(Dof(node, "Y")) for node in range(1, 10)])
+    found = fit_candidates(predictor, base, suspects, progress=silent, known=known)
+    assert found[0] is known
+    assert str(hidden.at) not in begun
+    assert len(begun) == ROUND.min_fits - 1
