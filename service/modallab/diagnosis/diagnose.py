@@ -23,9 +23,10 @@ from modallab.diagnosis.residuals.residual import gap_error
 from modallab.diagnosis.result import Diagnosis, Step, Unknown, Verdict
 from modallab.diagnosis.result_builder import curves, extended, rivals, step, tolerated
 from modallab.diagnosis.search_result import SearchResult
-from modallab.diagnosis.search_task import SearchTask, suspected
+from modallab.diagnosis.search_task import SearchTask
 from modallab.diagnosis.searching.acceptance import excess_ratio
 from modallab.diagnosis.searching.search_path import SearchPath
+from modallab.diagnosis.searching.suspects import suspected
 from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.diagnosis.test_design.proposal import next_test
 from modallab.diagnosis.unknown.solve import unknown_effect

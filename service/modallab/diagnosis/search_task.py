@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
 from modallab.core.progress import Progress, Pulse, part
 from modallab.diagnosis.assumed_tolerances import (
     deviate_far,
@@ -35,11 +34,10 @@ from modallab.diagnosis.searching.acceptance import is_noise_only
 from modallab.diagnosis.searching.search import ExplanationCriterion, is_prediction_error, search
 from modallab.diagnosis.searching.search_path import SearchPath
 from modallab.diagnosis.searching.search_round import fit_candidates
-from modallab.diagnosis.searching.suspects import Suspects
+from modallab.diagnosis.searching.suspects import Suspects, suspected
 from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.fe.damping import UnknownDamping
 from modallab.fe.structure import Structure
-from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 from modallab.rig.simulated_variance import SimulatedVariance
@@ -299,33 +297,6 @@ def _suggest_effect(second: SearchResult, stated: Tolerances) -> bool:
 def _explains_frfs(found: SearchResult) -> bool:
     """Return whether random error, or an error of predictions, is all that the effects leave in the FRFs."""
     return "frf" not in found.unexplained_parts or is_prediction_error(found.predictor, found.path)
-
-
-def suspected(predictor: Predictor, kinds: Sequence[str] | None) -> list[Effect]:
-    """Return one effect for each kind and place that may be missing.
-
-    Parameters
-    ----------
-    kinds
-        Kinds of effects; None for all but those that only the user can suspect.
-
-    Raises
-    ------
-    InvalidInputError
-        If a kind is unknown or none is left.
-    """
-    defaults = [kind for kind, cls in EFFECTS.items() if cls.suspected]
-    chosen = defaults if kinds is None else list(dict.fromkeys(kinds))
-    free_damping = predictor.nuisances.damping_free
-    suspects = [
-        EFFECTS[kind](at=place)
-        for kind in chosen
-        if not (free_damping and EFFECTS[kind].of_stated_damping)
-        for place in EFFECTS[kind].places(predictor.system, predictor.setup)
-    ]
-    if not suspects:
-        raise InvalidInputError("no suspect is left", field="suspects", allowed=list(EFFECTS))
-    return suspects
 
 
 def _with_all_responses(setups: Sequence[RigSetup]) -> RigSetup:

@@ -3,10 +3,11 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from modallab.core.errors import InvalidInputError
 from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.search_path import kind_and_place
-from modallab.rig.effect import Effect
+from modallab.rig.effect import EFFECTS, Effect
 
 
 @dataclass(frozen=True)
@@ -31,3 +32,30 @@ class Suspects:
             if suspicion[type(effect)] >= self.least and kind_and_place(effect) not in names
         ]
         return sorted(effects, key=lambda effect: -suspicion[type(effect)])
+
+
+def suspected(predictor: Predictor, kinds: Sequence[str] | None) -> list[Effect]:
+    """Return one effect for each kind and place that may be missing.
+
+    Parameters
+    ----------
+    kinds
+        Kinds of effects; None for all but those that only the user can suspect.
+
+    Raises
+    ------
+    InvalidInputError
+        If a kind is unknown or none is left.
+    """
+    defaults = [kind for kind, cls in EFFECTS.items() if cls.suspected]
+    chosen = defaults if kinds is None else list(dict.fromkeys(kinds))
+    free_damping = predictor.nuisances.damping_free
+    suspects = [
+        EFFECTS[kind](at=place)
+        for kind in chosen
+        if not (free_damping and EFFECTS[kind].of_stated_damping)
+        for place in EFFECTS[kind].places(predictor.system, predictor.setup)
+    ]
+    if not suspects:
+        raise InvalidInputError("no suspect is left", field="suspects", allowed=list(EFFECTS))
+    return suspects

@@ -14,7 +14,7 @@ from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.residuals.residual import residual
 from modallab.diagnosis.residuals.source_power import shape_variance, source_functions
 from modallab.diagnosis.result import Verdict
-from modallab.diagnosis.search_task import suspected
+from modallab.diagnosis.searching.suspects import suspected
 from modallab.effects.exciter_armature import ExciterArmature
 from modallab.effects.extra_mass import ExtraMass
 from modallab.rig.analyser import ExcitationSetting

@@ -9,11 +9,10 @@ from modallab.diagnosis.fitting.fit import fit
 from modallab.diagnosis.optimisation.nuisance_parameters import nuisance_parameters
 from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.result import Verdict
-from modallab.diagnosis.search_task import suspected
 from modallab.diagnosis.searching import wrong_elements as elements
 from modallab.diagnosis.searching.backward_elimination import Group
 from modallab.diagnosis.searching.multiple_elements import multiple_elements
-from modallab.diagnosis.searching.suspects import Suspects
+from modallab.diagnosis.searching.suspects import Suspects, suspected
 from modallab.diagnosis.searching.wrong_elements import wrong_elements
 from modallab.effects.accelerometer_mass import AccelerometerMass
 from modallab.effects.density_error import DensityError
