@@ -19,9 +19,9 @@ from modallab.diagnosis.predicting.settings import PREDICTION
 from modallab.diagnosis.residuals.channel_noise import ChannelNoise
 from modallab.diagnosis.residuals.free_levels import at_level_of
 from modallab.diagnosis.residuals.levels_in_use import (
+    with_expected_force_noise,
     with_levels_declared,
     with_measured_level,
-    with_noise_references,
 )
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.predicted import Predicted, VarianceRatios
@@ -81,7 +81,7 @@ class SingleTestPredictor:
         """Return the predictor of a first test."""
         model, setup = DeviatingModel.of(structure), with_measured_level(setup, observed)
         predictor = cls(model, setup, observed, heartbeat, budget or PredictionBudget())
-        return predictor._with_noise_references()
+        return predictor._with_expected_force_noise()
 
     def follow_up(self, setup: RigSetup, observed: Observed) -> "SingleTestPredictor":
         """Return the predictor of a further test, with the same model and effects named as in this one."""
@@ -89,13 +89,13 @@ class SingleTestPredictor:
         predictor = SingleTestPredictor(
             self.model, own, observed, self.heartbeat, self.budget, first_setup=first
         )
-        return predictor._with_noise_references()
+        return predictor._with_expected_force_noise()
 
-    def _with_noise_references(self) -> "SingleTestPredictor":
+    def _with_expected_force_noise(self) -> "SingleTestPredictor":
         def log_book_alone() -> Chain:
             return chain(self.model.deviating_system, self.setup, self.acting(()))
 
-        return replace(self, observed=with_noise_references(self.observed, log_book_alone, self.lines))
+        return replace(self, observed=with_expected_force_noise(self.observed, log_book_alone, self.lines))
 
     def plan(self, setup: RigSetup) -> "SingleTestPredictor":
         """Return the predictor of a further test that is yet to be made, at all lines of its analyser."""

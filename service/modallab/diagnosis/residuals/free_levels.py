@@ -15,11 +15,7 @@ from modallab.core.numerics import COHERENCE_ROUNDING, SAFE_DIVISOR
 from modallab.diagnosis.residuals.channel_noise import ChannelNoise, NoiseData
 from modallab.diagnosis.residuals.h1_bias import share_of_bias
 from modallab.diagnosis.residuals.noise_fit import fit_channel_noise
-from modallab.diagnosis.residuals.noise_reference import (
-    DeclaredResponseNoise,
-    ExpectedForceNoise,
-    IncoherentSpectra,
-)
+from modallab.diagnosis.residuals.noise_reference import ExpectedForceNoise, IncoherentSpectra
 from modallab.diagnosis.residuals.settings import FREE_LEVELS
 from modallab.diagnosis.residuals.source_power import force_spectra
 from modallab.estimation.coherence import incoherent_ratio
@@ -44,11 +40,9 @@ class FreeLevels:
     response_noise: bool = False
     """Noise of the response channels, a smooth spectrum each."""
     noise_reference: bool = False
-    """What the ratios of noise relate to: the mean spectra measured, or those expected."""
+    """To which force the ratio of its noise relates: the one measured, or the one expected."""
     expected_force_noise: ExpectedForceNoise | None = None
     """Noise at that ratio to the expected force; None if the ratio is to the one measured."""
-    declared_response_noise: DeclaredResponseNoise | None = None
-    """Noise of responses with the error of its level; None if it is exactly as declared."""
 
     @classmethod
     def of(cls, setup: RigSetup, *, simulated: bool) -> "FreeLevels":
@@ -101,9 +95,7 @@ class FreeLevels:
             As in `fit_channel_noise`.
         """
         if self.expected_force_noise is not None:
-            spectra = self._with_force_noise(spectra, self.expected_force_noise, observed, lines)
-        if self.declared_response_noise is not None:
-            spectra = self._with_response_noise(spectra, self.declared_response_noise, observed, lines)
+            return self._with_force_noise(spectra, self.expected_force_noise, observed, lines)
         if not (self.source or self.noise):
             return spectra
         spectra = self.with_source(spectra, observed, lines)
@@ -181,25 +173,6 @@ class FreeLevels:
             ff = ff + share * of_force[..., None] * np.eye(ff.shape[2])
         by_run = np.broadcast_to(of_response, (n_freq, n_run * n_out)).reshape(n_freq, n_run, n_out)
         return replace(spectra, ff=ff, xx=spectra.xx + by_run.swapaxes(0, 1))
-
-    @staticmethod
-    def _with_response_noise(
-        spectra: CrossSpectra,
-        declared_noise: DeclaredResponseNoise,
-        observed: "Observed",
-        lines: IntArray | None,
-    ) -> CrossSpectra:
-        """Return expected spectra with noise of the responses within the error of its level."""
-        force, _, coherent, other = _coherent_parts(spectra)
-        at_lines = slice(None) if lines is None else lines
-        measured, variance = _incoherent(observed, force[at_lines, :, 0])
-        if measured is None or variance is None:
-            return spectra
-        weight = (observed.usable & ~observed.held_out_lines[:, None]) / variance
-        level = declared_noise.level(IncoherentSpectra(measured, weight, other[at_lines], coherent[at_lines]))
-        n_run, n_freq, n_out = spectra.xx.shape
-        excess = (level - 1) * declared_noise.within(other)
-        return replace(spectra, xx=spectra.xx + excess.reshape(n_freq, n_run, n_out).swapaxes(0, 1))
 
     @staticmethod
     def _with_force_noise(

@@ -8,7 +8,7 @@ import numpy as np
 from modallab.core.arrays import IntArray
 from modallab.core.numerics import SAFE_DIVISOR
 from modallab.diagnosis.residuals.free_levels import ALL_DECLARED
-from modallab.diagnosis.residuals.noise_reference import DeclaredResponseNoise, ExpectedForceNoise
+from modallab.diagnosis.residuals.noise_reference import ExpectedForceNoise
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.rig.chain import Chain
 from modallab.rig.expected import expected_spectra, noise_free, noise_in_lines, with_noise
@@ -31,10 +31,10 @@ def with_measured_level(setup: RigSetup, observed: Observed) -> RigSetup:
     return replace(setup, analyser=replace(analyser, excitation=excitation))
 
 
-def with_noise_references(
+def with_expected_force_noise(
     observed: Observed, measuring_chain: Callable[[], Chain], lines: IntArray
 ) -> Observed:
-    """Return a measurement with the noise that its log book states as ratios, where their reading is unclear.
+    """Return a measurement with the noise of the force at its ratio to the expected one, where it is needed.
 
     Parameters
     ----------
@@ -46,11 +46,9 @@ def with_noise_references(
     if not observed.free_levels.noise_reference:
         return observed
     clean = noise_free(chain := measuring_chain())
-    spectra, noise = with_noise(chain, clean), noise_in_lines(chain, clean)
-    of_force = ExpectedForceNoise(spectra.ff[:, lines, 0, 0].real, noise[:, 0])
-    of_response = DeclaredResponseNoise.of(noise[:, 1:], spectra.xx[:, lines], observed.averages)
-    levels = replace(observed.free_levels, expected_force_noise=of_force, declared_response_noise=of_response)
-    return replace(observed, free_levels=levels)
+    force = with_noise(chain, clean).ff[:, lines, 0, 0].real
+    noise = ExpectedForceNoise(force, noise_in_lines(chain, clean)[:, 0])
+    return replace(observed, free_levels=replace(observed.free_levels, expected_force_noise=noise))
 
 
 def with_levels_declared(

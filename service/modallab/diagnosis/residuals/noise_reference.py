@@ -1,8 +1,7 @@
-"""Noise that a log book states as a ratio to the mean spectrum of a channel.
+"""Noise of the force, a ratio to its mean spectrum: to the one measured, or to the one expected.
 
 A missing effect, as a resonance of the stinger, changes the mean force by up to an order of magnitude. Who
-states its noise as a ratio may have had either force in mind, the one measured or the one expected, so the
-noise is fitted between the two levels. That of a response is fitted within the error of such a ratio.
+states noise as a ratio may have had either force in mind, so the noise is fitted between the two levels.
 """
 
 from dataclasses import dataclass, replace
@@ -10,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.core.arrays import FloatArray, IntArray
-from modallab.core.numerics import COHERENCE_ROUNDING, SAFE_DIVISOR, SAFE_SQUARED_DIVISOR
+from modallab.core.numerics import COHERENCE_ROUNDING, SAFE_DIVISOR
 from modallab.diagnosis.residuals.settings import NOISE_REFERENCE
 from modallab.estimation.spectra import CrossSpectra
 
@@ -42,60 +41,6 @@ class ExpectedForceNoise:
         if np.abs(ratio - 1).max() < NOISE_REFERENCE.least_change:
             return None
         return np.asarray(self.noise * (1 - ratio))
-
-
-@dataclass(frozen=True, eq=False)
-class DeclaredResponseNoise:
-    """Noise of the response channels by the log book, with the error of its level."""
-
-    noise: FloatArray
-    """(n_run, n_out) (m/s^2)^2/Hz."""
-    error: FloatArray
-    """(n_run, n_out) standard error of its logarithm."""
-
-    @classmethod
-    def of(cls, noise: FloatArray, response: FloatArray, averages: float) -> "DeclaredResponseNoise":
-        """Return noise whose level is as uncertain as a stated ratio, and the mean of a measured spectrum.
-
-        Parameters
-        ----------
-        noise
-            (n_run, n_out) (m/s^2)^2/Hz.
-        response
-            (n_run, n_freq, n_out) (m/s^2)^2/Hz, expected auto spectra.
-        averages
-            Effective number of averages. The mean over lines of a random spectrum scatters, most where few
-            resonances have all its power.
-        """
-        concentration = (response**2).sum(axis=1) / (response.sum(axis=1) ** 2 + SAFE_SQUARED_DIVISOR)
-        return cls(noise, np.sqrt(NOISE_REFERENCE.stated_error**2 + concentration / averages))
-
-    def level(self, spectra: "IncoherentSpectra") -> FloatArray:
-        """Return the level that fits measured incoherent spectra best, over the declared one, (n_out,).
-
-        Gauss-Newton steps of the logarithm of each channel's noise, within some standard errors of it.
-        """
-        error = self.error.ravel()
-        logarithm, shift, reach = (
-            np.log(spectra.measured),
-            np.zeros_like(error),
-            NOISE_REFERENCE.reach * error,
-        )
-        noise = self.within(spectra.expected)
-        for _ in range(NOISE_REFERENCE.max_iterations):
-            expected = spectra.expected + np.expm1(shift) * noise
-            share = np.exp(shift) * noise / expected
-            weighted = spectra.weight * share
-            gradient = (weighted * (logarithm - np.log(expected))).sum(axis=0) - shift / error**2
-            curvature = (weighted * share).sum(axis=0) + 1 / error**2
-            before, shift = shift, (shift + gradient / curvature).clip(-reach, reach)
-            if np.abs(shift - before).max() < NOISE_REFERENCE.tolerance:
-                break
-        return np.asarray(np.exp(shift))
-
-    def within(self, incoherent: FloatArray) -> FloatArray:
-        """Return the part of incoherent spectra (n_freq, n_out) that is this noise, no more than all."""
-        return np.minimum(self.noise.ravel(), incoherent)
 
 
 @dataclass(frozen=True, eq=False)

@@ -159,26 +159,15 @@ class LineCorrelationSettings(Settings):
 
 @dataclass(frozen=True)
 class NoiseReferenceSettings(Settings):
-    """Noise that a log book states as a ratio to a mean spectrum."""
+    """Noise of the force channels between two readings of its ratio."""
 
     least_change: float = setting(
         1e-3,
         doc="change of the mean force, over itself, below which both readings are the same",
         derived="a thousandth of a variance shows in two million independent data",
     )
-    stated_error: float = setting(
-        0.05, doc="relative standard error of a stated ratio", derived="it has one digit or two"
-    )
-    reach: float = setting(
-        3.0,
-        unit="standard errors",
-        doc="largest deviation of the level of a response's noise",
-        derived="beyond, an effect is missing that makes noise",
-    )
     tolerance: float = setting(
-        1e-9,
-        doc="last step of the fitted share or logarithm of a level",
-        derived="smooth for differences of 1e-4",
+        1e-9, doc="last step of the fitted share", derived="smooth for differences of 1e-4"
     )
     max_iterations: int = setting(
         30, unit="iterations", doc="largest number of steps", derived="10 are enough mostly"

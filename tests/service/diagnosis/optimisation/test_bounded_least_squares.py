@@ -17,13 +17,15 @@ def problem(seed: int, n: int, correlated: float) -> tuple[FloatArray, FloatArra
 
 
 @given(st.integers(0, 10_000), st.integers(1, 30), st.floats(0.0, 30.0), st.floats(1e-3, 10.0))
-def test_the_solution_is_the_one_minimum(seed: int, n: int, correlated: float, width: float) -> None:
+def test_no_other_point_within_the_bounds_is_nearer(
+    seed: int, n: int, correlated: float, width: float
+) -> None:
     matrix, target = problem(seed, n, correlated)
     low, high = -width * np.ones(n), 0.5 * width * np.ones(n)
     x = bounded_least_squares(matrix, target, (low, high))
     wanted = lsq_linear(matrix, target, (low, high), method="bvls", tol=1e-14).x
-    # the tolerance of the other, which lets its parameters stay by so much off
-    assert_allclose(x, wanted, atol=1e-6 * width)
+    residual, other = (np.linalg.norm(matrix @ each - target) for each in (x, wanted))
+    assert residual <= other * (1 + 1e-9)  # rounding; nearly dependent columns leave the solution itself open
     assert ((x >= low) & (x <= high)).all()
 
 
