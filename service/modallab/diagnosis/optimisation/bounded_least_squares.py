@@ -39,7 +39,7 @@ def bounded_least_squares(
         if (now_low == at_low).all() and (now_high == at_high).all():
             return x
         at_low, at_high = now_low, now_high
-    return np.asarray(scipy.optimize.lsq_linear(matrix, target, box, method="bvls").x)
+    return np.asarray(scipy.optimize.lsq_linear(matrix, target, box, method="bvls").x.clip(low, high))
 
 
 def _with_fixed(

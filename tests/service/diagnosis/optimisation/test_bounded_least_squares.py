@@ -17,9 +17,7 @@ def problem(seed: int, n: int, correlated: float) -> tuple[FloatArray, FloatArra
 
 
 @given(st.integers(0, 10_000), st.integers(1, 30), st.floats(0.0, 30.0), st.floats(1e-3, 10.0))
-def test_no_other_point_within_the_bounds_is_nearer(
-    seed: int, n: int, correlated: float, width: float
-) -> None:
+def test_no_point_within_the_bounds_is_nearer(seed: int, n: int, correlated: float, width: float) -> None:
     matrix, target = problem(seed, n, correlated)
     low, high = -width * np.ones(n), 0.5 * width * np.ones(n)
     x = bounded_least_squares(matrix, target, (low, high))
