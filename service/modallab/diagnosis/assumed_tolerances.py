@@ -67,10 +67,8 @@ def near_data_round(fits: Sequence[Fit], first: SearchResult) -> list[Fit]:
         Of single effects under other tolerances.
     """
     start = first.path.fit
-    predictor, limit = (
-        first.predictor.with_nuisances_at(start.starting_position),
-        FIT.near_noise * start.n_data,
-    )
+    predictor = first.predictor.with_nuisances_at(start.starting_position)
+    limit = FIT.near_noise * start.n_data
     limits = [np.inf if i < ROUND.min_fits else limit for i in range(len(fits))]
     found = [
         fit(predictor, one.effects, near=start, max_chi_square=most)

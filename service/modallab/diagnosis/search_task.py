@@ -139,7 +139,7 @@ class SearchTask:
                 second.path.start,
                 self._suspects(second.predictor),
                 progress=part(pulse, 0.5, 0.75),
-                known=alone,
+                explanation=alone,
             )
         further = self._search_from(second, self.max_effects, part(pulse, 0.75, 1.0), refitted)
         same = kinds_and_places(further.path.fit.effects) == kinds_and_places(found.path.fit.effects)

@@ -28,7 +28,7 @@ def fit_candidates(
     *,
     progress: Progress,
     explains: Callable[[Fit], bool] | None = None,
-    known: Fit | None = None,
+    explanation: Fit | None = None,
 ) -> list[Fit]:
     """Return fits of the accepted effects with one suspect added, best first, one per kind and place.
 
@@ -37,7 +37,7 @@ def fit_candidates(
     explains
         Whether a fit leaves random error alone beside what this predictor does not know, as tolerances that
         are assumed later; None: what leaves random error alone for this predictor.
-    known
+    explanation
         Fit of the accepted effects and one suspect that leaves random error alone, if there is one: of the
         others those are fitted that may come as near.
     """
@@ -48,14 +48,14 @@ def fit_candidates(
     share = ROUND.linear_share if nonlinear else 1.0
     suspected = {kind_and_place(effect) for effect in suspects.effects}
     candidates = _Round(predictor, base, suspected)
-    if known is not None:
-        candidates.add_explanation(known)
+    if explanation is not None:
+        candidates.add_explanation(explanation)
     candidates.examine(linear, part(progress, 0.0, share))
     if explains is not None and nonlinear:
         candidates.accept_best(explains)
     if candidates.explanation is not None:
-        explanation, system = candidates.explanation, predictor.system
-        nonlinear = [effect for effect in nonlinear if is_imitated(effect, explanation, system)]
+        linear_effect, system = candidates.explanation, predictor.system
+        nonlinear = [effect for effect in nonlinear if is_imitated(effect, linear_effect, system)]
         nonlinear = candidates.rivals_among(nonlinear)
     candidates.examine(nonlinear, part(progress, share, 1.0))
     candidates.fit_limiting_effects()
@@ -103,13 +103,13 @@ class _Round:
         self._fit_from_declared()
         self._fit_similar_kinds()
 
-    def add_explanation(self, known: Fit) -> None:
+    def add_explanation(self, single: Fit) -> None:
         """Add the fit of a suspect that leaves random error alone."""
-        effect = known.effects[-1]
+        effect = single.effects[-1]
         _, cost = coarse_fit(self._coarse, self._accepted, effect, 0.0)
         self._fitted.add(kind_and_place(effect))
         self._candidates[kind_and_place(effect)] = (cost, effect)
-        self.fits.append(known)
+        self.fits.append(single)
         self._max_cost, self.explanation = ROUND.hopeless_cost * cost, effect
 
     def accept_best(self, explains: Callable[[Fit], bool]) -> None:

@@ -313,7 +313,7 @@ def test_beside_a_known_explanation_its_rivals_alone_are_fitted(monkeypatch: pyt
 
     monkeypatch.setattr(module, "fit", recorded)
     suspects = Suspects([ExtraMass(Dof(node, "Y")) for node in range(1, 10)])
-    found = fit_candidates(predictor, base, suspects, progress=silent, known=known)
+    found = fit_candidates(predictor, base, suspects, progress=silent, explanation=known)
     assert found[0] is known
     assert str(hidden.at) not in begun
     assert len(begun) == ROUND.min_fits - 1
