@@ -16,7 +16,7 @@ from modallab.fe.attachment import (
     spring,
     stacked_columns,
 )
-from modallab.fe.cache import CacheSlot
+from modallab.fe.cache import Cache, CacheSlot
 from modallab.fe.settings import CACHE
 from modallab.fe.system_matrices import SystemMatrices
 
@@ -39,13 +39,25 @@ class AttachedSystem(SystemMatrices):
 
     def add_masses(self, nodes: Sequence[int], mass: float) -> Self:
         """Return the system with the same mass, kg, at each of some nodes."""
-        masses = [self._cached_attachment((node, mass), partial(self._mass, node, mass)) for node in nodes]
+        masses = [
+            self._cached_attachment((node, mass), partial(self._mass, node, mass), self.dof_cache)
+            for node in nodes
+        ]
         return replace(self, attachments=(*self.attachments, *masses))
 
-    def _cached_attachment(self, key: tuple[object, ...], make: Callable[[], Attachment]) -> Attachment:
-        """Return the cached attachment of a key, or make it: every run of a test attaches the same ones."""
+    def _cached_attachment(
+        self, key: tuple[object, ...], make: Callable[[], Attachment], cache: Cache | None = None
+    ) -> Attachment:
+        """Return the cached attachment of a key, or make it: every run of a test attaches the same ones.
+
+        Parameters
+        ----------
+        cache
+            `dof_cache` where the attachment depends on the DoFs alone; None: `cache`.
+        """
         capacity = min(CACHE.attachments, 1 + CACHE.attachment_rows // len(self.dofs))
-        return self.cache.compute(ATTACHMENTS, key, make, capacity=capacity)
+        cache = self.cache if cache is None else cache
+        return cache.compute(ATTACHMENTS, key, make, capacity=capacity)
 
     def _mass(self, node: int, mass: float) -> Attachment:
         return point_mass(self.selection(self.translations(node)), mass)
@@ -77,7 +89,10 @@ class AttachedSystem(SystemMatrices):
     def _attach_at(self, dof: Dof, make: Callable[..., Attachment], *numbers: float) -> Self:
         """Return the system with an attachment at a DoF, made from the DoF's column and some numbers."""
         key = (make, dof, numbers)
-        return self.attach(self._cached_attachment(key, lambda: make(self.selection((dof,)), *numbers)))
+        attachment = self._cached_attachment(
+            key, lambda: make(self.selection((dof,)), *numbers), self.dof_cache
+        )
+        return self.attach(attachment)
 
     @property
     def stacked_columns(self) -> FloatArray:

@@ -271,6 +271,7 @@ class DynamicSystem(AttachedSystem):
                 members=table,
                 modal=modal,
                 eigenvalue_reference=None if eigenvalue_ratio is None else (bare, eigenvalue_ratio),
+                dof_cache=self.dof_cache,
             )
 
         of_members = self._of_members

@@ -28,7 +28,8 @@ class SystemMatrices:
 
     `eigenvalue_reference` is a system with the same undamped mode shapes and the ratio of this system's
     eigenvalues to its own: the eigensolution is done there. `cache` holds what depends on the matrices
-    alone; all variants of a system share it.
+    alone; all variants of a system share it. `dof_cache` holds what depends on the DoFs alone; systems of
+    the same DoFs with other members share it too.
     """
 
     mass: csc_array  # (n, n) kg
@@ -41,10 +42,11 @@ class SystemMatrices:
     modal: ModalLossFactors | None = None  # modal damping of the matrices, attachments left out
     eigenvalue_reference: "tuple[SystemMatrices, float] | None" = None
     cache: Cache = field(default_factory=Cache, repr=False)
+    dof_cache: Cache = field(default_factory=Cache, repr=False)
 
     @cached_property
     def _rows(self) -> dict[Dof, int]:
-        return self.cache.compute(ROWS_BY_DOF, None, lambda: {dof: i for i, dof in enumerate(self.dofs)})
+        return self.dof_cache.compute(ROWS_BY_DOF, None, lambda: {dof: i for i, dof in enumerate(self.dofs)})
 
     def index(self, dof: Dof) -> int:
         """Return the row of a DoF.

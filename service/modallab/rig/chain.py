@@ -2,11 +2,12 @@
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache, partial
 
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.dof import Dof
 from modallab.fe.receptance import attached, attached_variants
 from modallab.fe.system import DynamicSystem
 from modallab.rig.cancellation import with_mass_cancelled
@@ -262,8 +263,10 @@ def chain(
             system = effect.on_system(system, declared[0])
     system = system.with_loss_of_altered_modes()
     active_effects = [(effect, stages) for effect in effects if any(stages := _acts_on_runs(effect))]
+    drives_of = lru_cache(partial(_with_effects, effects))  # the same in every run of a roving accelerometer
     runs = tuple(
-        _run(system, acquisition_run, active_effects) for acquisition_run in _true_runs(declared, effects)
+        _run(system, acquisition_run, drives_of(acquisition_run.drives), active_effects)
+        for acquisition_run in _true_runs(declared, effects)
     )
     if local := [force for effect in effects if (force := effect.on_motion()) is not None]:
         runs = (
@@ -290,12 +293,20 @@ def _true_runs(declared: Sequence[AcquisitionRun], effects: Sequence[Effect]) ->
     return runs
 
 
-def _acts_on_runs(effect: Effect) -> tuple[bool, bool, bool]:
-    """Return whether an effect acts on single runs by `on_system`, `on_drive`, `on_channel`."""
+def _with_effects(effects: Sequence[Effect], dofs: tuple[Dof, ...]) -> tuple[Drive, ...]:
+    """Return the exciters at some drive points with all effects."""
+    drives = [Drive(dof) for dof in dofs]
+    for effect in effects:
+        if type(effect).on_drive is not Effect.on_drive:
+            drives = [effect.on_drive(drive) for drive in drives]
+    return tuple(drives)
+
+
+def _acts_on_runs(effect: Effect) -> tuple[bool, bool]:
+    """Return whether an effect acts on single runs by `on_system`, and by `on_channel`."""
     kind = type(effect)
     return (
         kind.on_system is not Effect.on_system and not effect.same_in_all_runs,
-        kind.on_drive is not Effect.on_drive,
         kind.on_channel is not Effect.on_channel,
     )
 
@@ -303,18 +314,16 @@ def _acts_on_runs(effect: Effect) -> tuple[bool, bool, bool]:
 def _run(
     system: DynamicSystem,
     acquisition_run: AcquisitionRun,
-    effects: Sequence[tuple[Effect, tuple[bool, bool, bool]]],
+    drives: tuple[Drive, ...],
+    effects: Sequence[tuple[Effect, tuple[bool, bool]]],
 ) -> Run:
     """Return one run with all effects on a structure that has those that are the same in all runs."""
-    drives = [Drive(dof) for dof in acquisition_run.drives]
     forces = [Channel.ideal(dof, force=True) for dof in acquisition_run.drives]
     responses = [Channel.ideal(dof) for dof in acquisition_run.outputs]
-    for effect, (to_system, to_drive, to_channel) in effects:
+    for effect, (to_system, to_channel) in effects:
         if to_system:
             system = effect.on_system(system, acquisition_run)
-        if to_drive:
-            drives = [effect.on_drive(drive) for drive in drives]
         if to_channel:
             forces = [effect.on_channel(channel, system) for channel in forces]
             responses = [effect.on_channel(channel, system) for channel in responses]
-    return Run(acquisition_run, system, tuple(drives), tuple(forces), tuple(responses))
+    return Run(acquisition_run, system, drives, tuple(forces), tuple(responses))

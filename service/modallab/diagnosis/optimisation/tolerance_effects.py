@@ -5,10 +5,14 @@ from typing import ClassVar
 
 from modallab.core.parameters import parameter
 from modallab.fe.attachment import Attachment
+from modallab.fe.cache import Cache, CacheSlot
 from modallab.fe.point_translations import add_point_masses
+from modallab.fe.settings import CACHE
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import Effect, Stage
 from modallab.rig.setup import AcquisitionRun
+
+MASS_SUMS: CacheSlot[Attachment] = CacheSlot("sums of masses", CACHE.attachments)
 
 
 @dataclass(frozen=True)
@@ -34,13 +38,17 @@ class AccelerometerTolerance(Effect):
             if place is None:
                 attachments.append(mass)
             else:
-                attachments[place] = _sum_of_masses(attachments[place], mass)
+                attachments[place] = _cached_sum(system.dof_cache, attachments[place], mass)
         return replace(system, attachments=tuple(attachments))
 
 
 def _is_mass(attachment: Attachment) -> bool:
     forces = (attachment.stiffness, attachment.damping, attachment.viscous)
     return attachment.mass is not None and attachment.inner == 0 and all(f is None for f in forces)
+
+
+def _cached_sum(cache: Cache, first: Attachment, second: Attachment) -> Attachment:
+    return cache.compute(MASS_SUMS, (first.key, second.key), lambda: _sum_of_masses(first, second))
 
 
 def _sum_of_masses(first: Attachment, second: Attachment) -> Attachment:
