@@ -128,6 +128,7 @@ def fit(
     near: Fit | None = None,
     max_chi_square: float = np.inf,
     approach: bool = False,
+    largest_ratio: float = np.inf,
 ) -> Fit:
     """Return the effects with all their parameters fitted together, from starts near the solution.
 
@@ -144,11 +145,14 @@ def fit(
         Chi-square of use: a fit that a few steps without new derivatives leave above it is given up.
     approach
         Whether every random error is inflated first, for a start far from the data.
+    largest_ratio
+        Largest ratio by which parameters of effects in bursts may change; inf: random errors are renewed.
     """
-    found = _fit(predictor, effects, fixed, near, max_chi_square, approach=approach)
-    bursts = any(effect.intermittent for effect in effects)
+    fit_from = partial(_fit, predictor, approach=approach, largest_ratio=largest_ratio)
+    found = fit_from(effects, fixed, near, max_chi_square)
+    bursts = any(effect.intermittent for effect in effects) and not np.isfinite(largest_ratio)
     if bursts and found.is_near_data and _differ(effects, found.effects):
-        return _fit(predictor, found.effects, fixed, near, max_chi_square, approach=approach)
+        return fit_from(found.effects, fixed, near, max_chi_square)
     return found
 
 
@@ -203,6 +207,7 @@ def _fit(
     max_chi_square: float,
     *,
     approach: bool,
+    largest_ratio: float,
 ) -> Fit:
     """Return `fit` with the random errors of the start."""
     plain, predictor = predictor, predictor.with_intermittent_errors([*fixed, *effects])
@@ -213,7 +218,8 @@ def _fit(
     if known is not None and predictor.observed is not plain.observed:
         ratio = error_ratio(plain.observed, predictor.observed).astype(np.float32)
         known = ratio[:, None] * known if keep_derivatives else None
-    task = FitTask(predictor, fixed, ParameterVector(effects), known, keep_derivatives=keep_derivatives)
+    parameters = ParameterVector(effects, largest_ratio)
+    task = FitTask(predictor, fixed, parameters, known, keep_derivatives=keep_derivatives)
     start, derivatives = minimised(task, max_chi_square, approach=approach)
     fitted_residual, final, position = task.residuals[start.tobytes()], *task.at(start)
     observed = predictor.observed

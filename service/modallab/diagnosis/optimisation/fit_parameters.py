@@ -79,9 +79,15 @@ class FitParameter:
 
 
 class ParameterVector:
-    """The parameters of several effects as one vector of coordinates; optional ones where not at default."""
+    """The parameters of several effects as one vector of coordinates; optional ones where not at default.
 
-    def __init__(self, effects: Sequence[Effect]) -> None:
+    Parameters
+    ----------
+    largest_ratio
+        Largest ratio by which positive parameters of effects in bursts may change.
+    """
+
+    def __init__(self, effects: Sequence[Effect], largest_ratio: float = np.inf) -> None:
         self.effects = tuple(effects)
         self.parameters = [
             FitParameter(i, name, spec, abs(default) or 1.0)
@@ -91,6 +97,12 @@ class ParameterVector:
         self.low, self.high = np.array([p.bounds for p in self.parameters]).reshape(-1, 2).T
         start = np.array([p.position(effects[p.effect].parameters[p.name]) for p in self.parameters])
         self.start = start.clip(self.low, self.high)
+        limited = [effects[p.effect].intermittent and not p.spec.signed for p in self.parameters]
+        reach = np.where(limited, np.log(largest_ratio), np.inf)
+        self.low, self.high = (
+            np.maximum(self.low, self.start - reach),
+            np.minimum(self.high, self.start + reach),
+        )
 
     def __len__(self) -> int:
         return len(self.parameters)

@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from modallab.diagnosis.fitting.fit import Fit, chi_square_with_own_errors, fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import parts_with_wide_errors
@@ -14,7 +16,9 @@ def with_narrower_errors(predictor: Predictor, candidate: Fit, near: Fit) -> Fit
     """Return a fit whose errors are those of its data; the candidate, if no smaller effect is likelier.
 
     The errors of distortion in bursts are those of an effect's size at the start of its fit. Far too large
-    they forgive any residual, and the fit ends near that start.
+    they forgive any residual, and the fit ends near that start. With errors of one size the likeliest effect
+    may be one of another size, which is less likely with its own errors: the size then changes by no more
+    than its errors are known to, or not at all.
 
     Parameters
     ----------
@@ -33,7 +37,12 @@ def with_narrower_errors(predictor: Predictor, candidate: Fit, near: Fit) -> Fit
         effects, least = smaller, chi_square
     if effects == candidate.effects:
         return candidate
-    return min(candidate, fit(predictor, effects, near=near), key=lambda found: found.chi_square)
+    for largest_ratio in (np.inf, NARROWING.ratio**-0.5):
+        found = fit(predictor, effects, near=near, largest_ratio=largest_ratio)
+        fitted = predictor.with_nuisances_at(found.nuisance_position)
+        if chi_square_with_own_errors(fitted, found.effects) <= least:
+            return found
+    return fit(predictor, effects, near=near, largest_ratio=1.0)
 
 
 def _with_smaller_bursts(effects: Sequence[Effect]) -> tuple[Effect, ...]:

@@ -1,8 +1,12 @@
 """Parameters of effects as coordinates: which of them a fit varies."""
 
+import numpy as np
 import pytest
 
+from modallab.core.dof import Dof
 from modallab.diagnosis.optimisation.fit_parameters import ParameterVector
+from modallab.effects.cubic_stiffness import CubicStiffness
+from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.mains_hum import MainsHum
 from modallab.fe.assembly import assemble
 from tests.diagnosing import model
@@ -31,3 +35,11 @@ def test_values_of_others_stay() -> None:
     (again,) = vector.with_values(vector.start)
     assert again.parameters == pytest.approx(hum.parameters, rel=1e-12)  # rounding of logarithms
     assert again.parameters["third_harmonic"] == hum.third_harmonic
+
+
+def test_effects_in_bursts_change_by_no_more_than_a_ratio() -> None:
+    mass, cubic = ExtraMass(Dof(2, "Y"), 0.01), CubicStiffness(Dof(4, "Y"), 3e9)
+    free, limited = ParameterVector([mass, cubic]), ParameterVector([mass, cubic], 2.0)
+    assert limited.low[0] == free.low[0]
+    assert limited.high[0] == free.high[0]
+    assert np.exp([limited.low[1], limited.high[1]]) == pytest.approx([1.5e9, 6e9], rel=1e-12)  # rounding

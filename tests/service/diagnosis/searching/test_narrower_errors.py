@@ -1,5 +1,7 @@
+from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from modallab.core.dof import Dof
@@ -9,6 +11,7 @@ from modallab.diagnosis.searching import narrower_errors
 from modallab.diagnosis.searching.narrower_errors import with_narrower_errors
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.extra_mass import ExtraMass
+from modallab.rig.effect import Effect
 from tests.diagnosing import draw_measurement, predicting, rig
 
 CUBIC, MASS = CubicStiffness(Dof(4, "Y"), 3e9), ExtraMass(Dof(2, "Y"), 0.01)
@@ -41,6 +44,22 @@ def test_a_fit_whose_errors_forgive_too_much_is_repeated_from_a_smaller_effect(
     # Distortion of four simulated tests is known to a quarter, and its power follows the square.
     assert found.effects[1].parameters["stiffness"] == pytest.approx(CUBIC.stiffness, rel=0.25)
     assert found.effects[0].parameters["mass"] == pytest.approx(MASS.mass, rel=0.01)
+
+
+def test_a_size_stays_where_the_likeliest_one_with_its_errors_is_less_likely_with_its_own(
+    predictor: Predictor, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    likeliest = 1.25 * CUBIC.stiffness  # five steps from the start
+
+    def chi_square(_predictor: Predictor, effects: Sequence[Effect]) -> float:
+        return abs(float(np.log(effects[1].parameters["stiffness"] / likeliest)))
+
+    forgiving = ended_at(predictor, 40.0)
+    monkeypatch.setattr(narrower_errors, "parts_with_wide_errors", lambda *_: {"response"})
+    monkeypatch.setattr(narrower_errors, "chi_square_with_own_errors", chi_square)
+    found = with_narrower_errors(predictor, forgiving, fit(predictor, ()))
+    assert found.effects[1].parameters["stiffness"] == pytest.approx(likeliest, rel=1e-9)  # rounding
+    assert found.effects[0].parameters["mass"] == pytest.approx(MASS.mass, rel=0.01)  # noise of the test
 
 
 def test_a_fit_with_the_errors_of_its_data_stays(predictor: Predictor) -> None:
