@@ -11,6 +11,7 @@ from modallab.diagnosis.fitting.coarse_fit import coarse_fit
 from modallab.diagnosis.fitting.fit import Fit, fit, with_optional_parameters
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import is_noise_only, is_undetermined, ranked_by_bic
+from modallab.diagnosis.searching.exciter_resonance import with_resonance_at_lines
 from modallab.diagnosis.searching.imitation import is_imitated
 from modallab.diagnosis.searching.narrower_errors import with_narrower_errors
 from modallab.diagnosis.searching.neighbouring_places import neighbouring_effects, similar_effects
@@ -296,6 +297,7 @@ class _Round:
             candidate = with_narrower_errors(self._predictor, candidate, self._base)
             lowest = min((fitted.chi_square for fitted in self.fits), default=np.inf)
             if candidate.chi_square < ROUND.optional_cost * lowest:
+                candidate = with_resonance_at_lines(self._predictor, candidate, self._base)
                 candidate = with_optional_parameters(self._predictor, candidate, self._base)
             self.fits.append(candidate)
             if ROUND.hopeless_cost * cost < self._max_cost and self._explains(candidate):

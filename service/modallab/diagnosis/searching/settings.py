@@ -276,6 +276,23 @@ class RoundSettings(Settings):
 
 
 @dataclass(frozen=True)
+class ResonanceSettings(Settings):
+    """Stiffness of an exciter whose resonance is sought at all lines."""
+
+    largest_ratio: float = setting(
+        1.35,
+        doc="largest ratio to the stiffness of the fit",
+        derived="16 % of the frequency: coarse lines are no farther apart from the sixth of them on",
+    )
+    n_values: int = setting(
+        61,
+        unit="values",
+        doc="values of the stiffness",
+        derived="steps of 0.5 % of the frequency, a quarter of a bandwidth at a loss factor of 0.02",
+    )
+
+
+@dataclass(frozen=True)
 class NarrowingSettings(Settings):
     """Smaller effects in bursts, whose random errors are narrower."""
 
@@ -382,6 +399,7 @@ SHORTLIST = ShortlistSettings()
 SCREENING = ModificationScreenSettings()
 SCAN = ScanSettings()
 ROUND = RoundSettings()
+RESONANCE = ResonanceSettings()
 NARROWING = NarrowingSettings()
 SEARCH = SearchSettings()
 MULTIPLE_ELEMENTS = MultipleElementsSettings()
