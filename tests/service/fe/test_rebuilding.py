@@ -79,3 +79,12 @@ def test_modal_damping_is_of_the_bare_structure_whatever_hangs_on_it() -> None:
     for found in (receptance(loaded, FREQ, pick, pick), direct_receptance(loaded, FREQ, pick, pick)):
         np.testing.assert_allclose(found, exact, rtol=1e-7)
     np.testing.assert_allclose(bare.resonances(800.0)[1][:3], (etas * basis.frequencies)[:3] / 2, rtol=1e-9)
+
+
+def test_structures_with_other_members_share_the_masses_attached_to_their_dofs() -> None:
+    structure = STRUCTURES["cantilever"]()
+    system = assemble(structure)
+    stiffer = system.with_member_factors(stiffness=(1.1,) * len(structure.members), mass=())
+    masses = [each.add_mass(3, 0.1).attachments[-1] for each in (system, stiffer)]
+    assert stiffer.cache is not system.cache
+    assert masses[0] is masses[1]

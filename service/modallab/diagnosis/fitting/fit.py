@@ -146,7 +146,8 @@ def fit(
     approach
         Whether every random error is inflated first, for a start far from the data.
     largest_ratio
-        Largest ratio by which parameters of effects in bursts may change; inf: random errors are renewed.
+        Largest ratio by which positive parameters of intermittent effects may change. If it is finite, the
+        random errors of the start are kept.
     """
     fit_from = partial(_fit, predictor, approach=approach, largest_ratio=largest_ratio)
     found = fit_from(effects, fixed, near, max_chi_square)

@@ -84,7 +84,7 @@ class ParameterVector:
     Parameters
     ----------
     largest_ratio
-        Largest ratio by which positive parameters of effects in bursts may change.
+        Largest ratio by which positive parameters of intermittent effects may change.
     """
 
     def __init__(self, effects: Sequence[Effect], largest_ratio: float = np.inf) -> None:

@@ -10,11 +10,11 @@ from modallab.rig.effect import Effect, Stage
 
 
 def with_resonance_at_lines(predictor: Predictor, candidate: Fit, near: Fit) -> Fit:
-    """Return a fit whose last effect begins at the stiffness that fits all lines best, if that is better.
+    """Return a fit whose last effect starts at the size that fits all lines best, if its chi-square is lower.
 
-    An armature on a soft stinger resonates within a line or two: coarse predictions, of every third line, may
-    have none of these, and then lead the fit to another frequency. Effects that change the exciter alone,
-    beside more than random error; the candidate in all other cases.
+    The resonance of an armature on a soft stinger is a line or two wide: coarse predictions, which have some
+    of the lines, may miss it, and the fit then ends at another frequency. The candidate is returned where its
+    last effect does not act on the exciter, or leaves random error alone.
 
     Parameters
     ----------

@@ -15,10 +15,10 @@ from modallab.rig.effect import Effect
 def with_narrower_errors(predictor: Predictor, candidate: Fit, near: Fit) -> Fit:
     """Return a fit whose errors are those of its data; the candidate, if no smaller effect is likelier.
 
-    The errors of distortion in bursts are those of an effect's size at the start of its fit. Far too large
-    they forgive any residual, and the fit ends near that start. With errors of one size the likeliest effect
-    may be one of another size, which is less likely with its own errors: the size then changes by no more
-    than its errors are known to, or not at all.
+    The random errors of an intermittent effect are those of its size at the start of the fit. If they are far
+    too large they forgive any residual, and the fit ends near that start. With the errors of one size the fit
+    may also end at a larger effect, which is less likely with its own errors: its size then changes by half a
+    step at most, or not at all.
 
     Parameters
     ----------

@@ -277,17 +277,17 @@ class RoundSettings(Settings):
 
 @dataclass(frozen=True)
 class ResonanceSettings(Settings):
-    """Stiffness of an exciter whose resonance is sought at all lines."""
+    """Sizes of an effect on the exciter that are compared with the data at all lines."""
 
     largest_ratio: float = setting(
         1.35,
-        doc="largest ratio to the stiffness of the fit",
+        doc="largest ratio of a size to that of the fit",
         derived="16 % of the frequency: coarse lines are no farther apart from the sixth of them on",
     )
     n_values: int = setting(
         61,
-        unit="values",
-        doc="values of the stiffness",
+        unit="sizes",
+        doc="sizes of the effect",
         derived="steps of 0.5 % of the frequency, a quarter of a bandwidth at a loss factor of 0.02",
     )
 
