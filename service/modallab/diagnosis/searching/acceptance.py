@@ -171,11 +171,14 @@ def _same_place(first: Effect, second: Effect) -> bool:
 def is_significant(predictor: Predictor, previous: Fit, candidate: Fit) -> bool:
     """Return whether an added effect is significant: by BIC, on held-out data, and by its amount.
 
-    Never with random errors that are not those of the data.
+    Never with random errors that are not those of the data. Where noise spectra alone are unexplained, it has
+    to change one of them by more than declared levels may be in error, however many lines they have.
     """
     observed, effect = predictor.observed, candidate.effects[-1]
     gain = (previous.bic - candidate.bic) / variance_inflation(predictor, candidate)
     if gain < ACCEPTANCE.very_strong_bic or parts_with_wide_errors(predictor, candidate):
+        return False
+    if _is_error_of_noise_level(predictor, previous, candidate):
         return False
     # The size of distortion in bursts may be known to a factor only: its BIC decides alone.
     if not effect.intermittent and not is_nonzero(effect, candidate.errors[-1]):
@@ -194,6 +197,18 @@ def is_significant(predictor: Predictor, previous: Fit, candidate: Fit) -> bool:
             return True  # as hum, which is in one line or two
     previous_gap, gap = (f.residual.gap(mask) for f in (previous, candidate))
     return gap < previous_gap - gap_error(observed, candidate.residual, mask)
+
+
+def _is_error_of_noise_level(predictor: Predictor, previous: Fit, candidate: Fit) -> bool:
+    """Return whether an added effect changes noise spectra by no more than their levels are in error."""
+    observed, mask = predictor.observed, predictor.observed.fitted
+    before, after = previous.residual.response, candidate.residual.response
+    if before is None or after is None or observed.incoherent_variance is None:
+        return False
+    change = np.abs(after - before) * np.sqrt(observed.incoherent_variance)
+    if change[candidate.residual.mask_of("response", mask)].max() > ACCEPTANCE.noise_level_error:
+        return False
+    return unexplained_parts(predictor, previous, max_lag=ACCEPTANCE.correlated_lines) == {"response"}
 
 
 def is_nonzero(effect: Effect, errors: Mapping[str, float]) -> bool:

@@ -61,6 +61,11 @@ class AcceptanceSettings(Settings):
     gap_probability: float = setting(
         3e-5, doc="probability of a gap by chance below which it is significant", derived="4 sigma"
     )
+    noise_level_error: float = setting(
+        0.3,
+        doc="change of the logarithm of a noise spectrum up to which declared noise may be in error",
+        derived="three times 0.4 dB, which a noise floor drifts between its measurement and the test",
+    )
     validation_lines: int = setting(
         4,
         unit="lines",
