@@ -61,6 +61,8 @@ def _refitted(fits: Sequence[Fit], second: SearchResult, alone: Fit) -> list[Fit
 def near_data_round(fits: Sequence[Fit], first: SearchResult) -> list[Fit]:
     """Return fits of single effects under the first tolerances, of those that come near the data there.
 
+    The first ones are fitted to their ends, until one comes near; the others have to in a few steps.
+
     Parameters
     ----------
     fits
@@ -68,12 +70,11 @@ def near_data_round(fits: Sequence[Fit], first: SearchResult) -> list[Fit]:
     """
     start = first.path.fit
     predictor = first.predictor.with_nuisances_at(start.starting_position)
-    limit = FIT.near_noise * start.n_data
-    limits = [np.inf if i < ROUND.min_fits else limit for i in range(len(fits))]
-    found = [
-        fit(predictor, one.effects, near=start, max_chi_square=most)
-        for one, most in zip(fits, limits, strict=True)
-    ]
+    found: list[Fit] = []
+    for one in fits:
+        patient = len(found) < ROUND.min_fits and not any(each.is_near_data for each in found)
+        limit = np.inf if patient else FIT.near_noise * start.n_data
+        found.append(fit(predictor, one.effects, near=start, max_chi_square=limit))
     near = [with_optional_parameters(predictor, each, start) for each in found if each.is_near_data]
     return ranked_by_bic(near)
 

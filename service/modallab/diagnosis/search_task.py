@@ -75,8 +75,8 @@ class SearchTask:
         The stated tolerances come first: a model that is exact loses nothing by those assumed. They are not
         searched further where the assumed ones leave random error alone, beside one effect at most. If
         the nuisance parameters then deviate far, or one tolerance alone, a single effect that leaves random
-        error alone under the stated tolerances is preferred. Where the assumed ones alone come near the data
-        the search under them comes first: the model is wrong in many places.
+        error alone under the stated tolerances is preferred. Where the assumed ones alone come much nearer
+        the data the search under them comes first: the model is wrong in many places.
         """
         pulse(0.0, "predicting the tests from model and log book")
         first = self._start(stated, pulse)
@@ -86,7 +86,7 @@ class SearchTask:
         nothing_missing = is_noise_only(second.predictor, second.path.fit)
         if nothing_missing and not _suggest_effect(second, stated):
             return self._search_from(second, 1, pulse), assumed
-        if not nothing_missing and second.path.fit.is_near_data and not first.path.fit.is_near_data:
+        if not nothing_missing and _come_nearer(first.path.fit, second.path.fit, stated):
             return self._search_beside_assumed(first, second, assumed, pulse)
         # A search for one effect that explains nothing ends before half of its progress.
         single_effects = self._first_round(first, second, part(pulse, 0.05, 0.25))
@@ -261,6 +261,7 @@ class SearchTask:
             self._suspects(start.predictor),
             progress=progress,
             explains=explains,
+            chi_square_without=second.path.start.chi_square,
         )
 
     def _search_from(
@@ -292,6 +293,16 @@ def _suggest_effect(second: SearchResult, stated: Tolerances) -> bool:
     """Return whether deviations within assumed tolerances make an effect likelier."""
     nuisances, found = second.predictor.nuisances, second.path.fit
     return deviate_far(nuisances, found, stated) or deviates_alone(nuisances, found, stated)
+
+
+def _come_nearer(first: Fit, second: Fit, stated: Tolerances) -> bool:
+    """Return whether assumed tolerances alone come much nearer the data than the stated ones.
+
+    Without stated tolerances a search is so fast, and an exact model so likely, that only data nearby count.
+    """
+    if second.is_near_data or not any(stated.stated.values()):
+        return second.is_near_data and not first.is_near_data
+    return second.chi_square < DIAGNOSIS.much_nearer * first.chi_square
 
 
 def _explains_frfs(found: SearchResult) -> bool:

@@ -40,6 +40,11 @@ class DiagnosisSettings(Settings):
         tuned="blind trial of single effects, pairs and causes outside the catalogue: of 14 diagnoses that "
         "left a gap, 7 named an effect that was present",
     )
+    much_nearer: float = setting(
+        0.6,
+        doc="chi-square under assumed tolerances over that under stated ones, below which they come first",
+        derived="about a half: the assumed ones explain more than they leave",
+    )
     partial_excess: float = setting(
         0.1,
         doc="excess of the gap over 1 with the effects, over that without, up to which they explain a part",

@@ -15,7 +15,7 @@ from modallab.diagnosis.assumed_tolerances import refitted_path
 from modallab.diagnosis.diagnose import diagnose_with_options
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.optimisation.tolerance_effects import MemberTolerance
-from modallab.diagnosis.optimisation.tolerances import TolerancePreset
+from modallab.diagnosis.optimisation.tolerances import TolerancePreset, Tolerances
 from modallab.diagnosis.options import DiagnosisOptions
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.result import Diagnosis, Verdict
@@ -52,7 +52,7 @@ SLIGHTLY_UNEVEN = MemberTolerance(
 def diagnosed(
     *hidden: Effect,
     uploaded: bool = True,
-    preset: TolerancePreset | None = None,
+    preset: TolerancePreset | Tolerances | None = None,
     max_effects: int = 1,
     suspects: tuple[str, ...] = SUSPECTS,
 ) -> Diagnosis:
@@ -275,6 +275,18 @@ def test_where_assumed_tolerances_come_near_the_data_effects_beside_them_come_fi
     ]
     assert len(numbers) == 1
     assert numbers[0] > N_MEMBERS
+
+
+@pytest.mark.parametrize("stated", [True, False])
+def test_stated_tolerances_that_leave_far_more_than_assumed_ones_come_second(
+    stated: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The assumed ones explain most of an uneven model, but of a gain of 4 % they come nowhere near."""
+    numbers = searched_with(monkeypatch)
+    tolerances = Tolerances(modulus=0.001) if stated else None
+    found = diagnosed(UNEVEN, GainError(Channels((Dof(9, "Y"),)), 1.04), preset=tolerances)
+    assert [step.effect.kind for step in found.steps] == ["gain_error"]
+    assert (numbers[0] > N_MEMBERS) is stated
 
 
 def test_an_effect_of_an_exact_model_that_they_nearly_explain_needs_none(

@@ -13,8 +13,9 @@ from modallab.core.place import Channels
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.residuals.noise_level_errors import without_noise_level_errors
 from modallab.diagnosis.residuals.observed import Observed
-from modallab.diagnosis.residuals.residual import correlation_lengths, gap_error, gap_errors
+from modallab.diagnosis.residuals.residual import Residual, correlation_lengths, gap_error, gap_errors
 from modallab.diagnosis.searching.settings import ACCEPTANCE
 from modallab.rig.effect import Effect, Stage
 from modallab.rig.simulated_variance import is_intermittent
@@ -37,7 +38,8 @@ def is_noise_only(
 def unexplained_parts(predictor: Predictor, candidate: Fit, *, max_lag: int | None) -> set[str]:
     """Return the parts of the gap that are not 1 within their random error, on fitted or held-out data.
 
-    Errors of nuisance parameters enlarge the gap of held-out data by a known mean. Effects in bursts state
+    Noise levels may be in error by `ACCEPTANCE.noise_level_error`, where that explains most of a gap. Errors
+    of nuisance parameters enlarge the gap of held-out data by a known mean. Effects in bursts state
     the random errors themselves: where the residuals are far smaller, these are not the errors of the data.
 
     Parameters
@@ -47,7 +49,7 @@ def unexplained_parts(predictor: Predictor, candidate: Fit, *, max_lag: int | No
         unknown noise level: a search takes lines more than a few apart for independent and continues where
         a gap is not small. None asks for a large gap: a verdict has to be sure.
     """
-    observed, found = predictor.observed, candidate.residual
+    observed, found = predictor.observed, _beside_noise_levels(predictor, candidate)
 
     def excess(mask: BoolArray, allowed: Mapping[str, float]) -> set[str]:
         errors = gap_errors(observed, found, mask, max_lag=max_lag)
@@ -62,6 +64,16 @@ def unexplained_parts(predictor: Predictor, candidate: Fit, *, max_lag: int | No
     if not fitted and held_out and len(predictor.nuisances):
         held_out = excess(observed.held_out_mask, candidate.prediction_variance)
     return fitted | held_out | parts_with_wide_errors(predictor, candidate, max_lag=max_lag)
+
+
+def _beside_noise_levels(predictor: Predictor, candidate: Fit) -> Residual:
+    """Return the residual without errors of noise levels, unless these explain little of its excess."""
+    observed, found = predictor.observed, candidate.residual
+    corrected = without_noise_level_errors(observed, found, ACCEPTANCE.noise_level_error)
+    if found.response is None:
+        return found
+    gap, rest = (each.gaps(observed.fitted)["response"] for each in (found, corrected))
+    return corrected if gap - rest > (gap - 1) / 2 else found
 
 
 def excess_ratio(predictor: Predictor, before: Fit, after: Fit) -> float:
@@ -171,14 +183,12 @@ def _same_place(first: Effect, second: Effect) -> bool:
 def is_significant(predictor: Predictor, previous: Fit, candidate: Fit) -> bool:
     """Return whether an added effect is significant: by BIC, on held-out data, and by its amount.
 
-    Never with random errors that are not those of the data. Where noise spectra alone are unexplained, it has
-    to change one of them by more than declared levels may be in error, however many lines they have.
+    Never with random errors that are not those of the data, nor by what errors of the noise levels explain.
     """
     observed, effect = predictor.observed, candidate.effects[-1]
-    gain = (previous.bic - candidate.bic) / variance_inflation(predictor, candidate)
+    gain = previous.bic - candidate.bic - _due_to_noise_levels(observed, previous.residual)
+    gain /= variance_inflation(predictor, candidate)
     if gain < ACCEPTANCE.very_strong_bic or parts_with_wide_errors(predictor, candidate):
-        return False
-    if _is_error_of_noise_level(predictor, previous, candidate):
         return False
     # The size of distortion in bursts may be known to a factor only: its BIC decides alone.
     if not effect.intermittent and not is_nonzero(effect, candidate.errors[-1]):
@@ -199,16 +209,11 @@ def is_significant(predictor: Predictor, previous: Fit, candidate: Fit) -> bool:
     return gap < previous_gap - gap_error(observed, candidate.residual, mask)
 
 
-def _is_error_of_noise_level(predictor: Predictor, previous: Fit, candidate: Fit) -> bool:
-    """Return whether an added effect changes noise spectra by no more than their levels are in error."""
-    observed, mask = predictor.observed, predictor.observed.fitted
-    before, after = previous.residual.response, candidate.residual.response
-    if before is None or after is None or observed.incoherent_variance is None:
-        return False
-    change = np.abs(after - before) * np.sqrt(observed.incoherent_variance)
-    if change[candidate.residual.mask_of("response", mask)].max() > ACCEPTANCE.noise_level_error:
-        return False
-    return unexplained_parts(predictor, previous, max_lag=ACCEPTANCE.correlated_lines) == {"response"}
+def _due_to_noise_levels(observed: Observed, found: Residual) -> float:
+    """Return the part of chi-square that errors of the declared noise levels account for."""
+    corrected = without_noise_level_errors(observed, found, ACCEPTANCE.noise_level_error)
+    before, after = (each.vector(observed.fitted) for each in (found, corrected))
+    return float(before @ before - after @ after)
 
 
 def is_nonzero(effect: Effect, errors: Mapping[str, float]) -> bool:

@@ -30,6 +30,7 @@ def fit_candidates(
     progress: Progress,
     explains: Callable[[Fit], bool] | None = None,
     explanation: Fit | None = None,
+    chi_square_without: float = np.inf,
 ) -> list[Fit]:
     """Return fits of the accepted effects with one suspect added, best first, one per kind and place.
 
@@ -41,6 +42,9 @@ def fit_candidates(
     explanation
         Fit of the accepted effects and one suspect that leaves random error alone, if there is one: of the
         others those are fitted that may come as near.
+    chi_square_without
+        Chi-square that tolerances assumed later leave without any effect. Nonlinear forces, whose predictions
+        cost most, are left to a search beside these if no linear effect comes as near the data.
     """
     predictor = predictor.with_nuisances_at(base.starting_position)
     likely = suspects.of(predictor, base.effects)
@@ -58,6 +62,8 @@ def fit_candidates(
         linear_effect, system = candidates.explanation, predictor.system
         nonlinear = [effect for effect in nonlinear if is_imitated(effect, linear_effect, system)]
         nonlinear = candidates.rivals_among(nonlinear)
+    elif min((single.chi_square for single in candidates.fits), default=np.inf) > chi_square_without:
+        nonlinear = []
     candidates.examine(nonlinear, part(progress, share, 1.0))
     candidates.fit_limiting_effects()
     candidates.fit_reduced_model()
@@ -125,10 +131,12 @@ class _Round:
         """Return the nonlinear forces that may come as near the data as the explanation that was found.
 
         They change FRFs much like an effect that they are linearised to: those at its best places may. Where
-        their motion is measured the spectra tell a force too weak for that.
+        their motion is measured the spectra tell a force too weak for that, and it is tried beside an
+        explanation at its place; one of the whole structure is no such place.
         """
         measured = {channel.response.point for channel in self._predictor.observed.channels}
-        unclear = [force for force in forces if force.linearised_kinds and force.at not in measured]
+        everywhere = self.explanation is not None and self.explanation.at is None
+        unclear = [f for f in forces if f.linearised_kinds and (everywhere or f.at not in measured)]
         kinds_and_places = dict.fromkeys(
             (kind, force.at) for force in unclear for kind in force.linearised_kinds
         )

@@ -63,7 +63,7 @@ class AcceptanceSettings(Settings):
     )
     noise_level_error: float = setting(
         0.3,
-        doc="change of the logarithm of a noise spectrum up to which declared noise may be in error",
+        doc="largest error of the logarithm of a channel's declared noise power",
         derived="three times 0.4 dB, which a noise floor drifts between its measurement and the test",
     )
     validation_lines: int = setting(

@@ -97,18 +97,18 @@ def test_hum_in_one_line_of_one_channel_needs_no_witness() -> None:
     assert not convinced()
 
 
-@pytest.mark.parametrize(("step", "expected"), [(0.0, False), (0.0039, False), (0.016, True)])
-def test_noise_of_one_channel_is_a_converter_s_only_beyond_the_error_of_its_level(
-    step: float, *, expected: bool
+@pytest.mark.parametrize(("step", "missing"), [(0.0, False), (0.0039, False), (0.016, True)])
+def test_noise_of_a_channel_is_unexplained_only_beyond_the_error_of_its_level(
+    step: float, *, missing: bool
 ) -> None:
     # Steps of 0.0039 and 0.016 of the signal add 0.1 and 1.7 of the declared noise to that of one channel.
-    rounding = Quantisation(HERE, step)
-    test = draw_measurement(rig(averages=400, noise=1e-5), [rounding] if step else [], seed=4)
+    test = draw_measurement(rig(noise=1e-5), [Quantisation(HERE, step)] if step else [], seed=4)
     observed = observe(test, [FrfSelection(Dof(2, "Y"))], fraction=0.0)
     predictor = SingleTestPredictor.of(model(), test.setup, observed)
     plain, rounded = fit(predictor, ()), fit(predictor, (Quantisation(HERE, 0.004),))
     assert (plain.bic - rounded.bic > 50.0) == (step > 0), "by random error alone it is sure"
-    assert is_significant(predictor, plain, rounded) == expected
+    assert is_noise_only(predictor, plain) != missing
+    assert is_significant(predictor, plain, rounded) == missing
 
 
 def test_what_is_missing_smoothly_is_not_taken_for_leakage() -> None:
