@@ -10,6 +10,7 @@ from typing import Any
 import sqlalchemy as sa
 from dbos import DBOS, DBOSClient, Serializer
 from dbos import _queue as dbos_queue
+from dbos._dbos import _get_dbos_instance
 
 from modallab.jobs.runner import Job, Lane
 from modallab.jobs.settings import JOB
@@ -99,15 +100,29 @@ class DbosEngine:
 
     def recover(self, executor_ids: Sequence[str]) -> None:
         """Queue anew what ran on lost executors."""
+        for workflow_id in self._taken_by(executor_ids):
+            self._requeue(workflow_id, executor_ids)
+        self._notifier.ring()
+
+    def abandoned(self, executor_id: str) -> set[str]:
+        """Return the ids of what this process, under this name, has taken and does not work on."""
+        taken = self._taken_by([executor_id])
+        return taken - set(_get_dbos_instance()._active_workflows_set.activeList())
+
+    def requeue(self, workflow_id: str, executor_id: str) -> None:
+        """Queue anew what an executor has taken."""
+        self._requeue(workflow_id, [executor_id])
+        self._notifier.ring()
+
+    def _taken_by(self, executor_ids: Sequence[str]) -> set[str]:
         pending = self._client.list_workflows(
             status="PENDING", executor_id=list(executor_ids), load_input=False, load_output=False
         )
-        for workflow in pending:
-            # Only while it is still that executor's: two that take over at once disturb nothing.
-            self._client._sys_db.reenqueue_for_recovery(
-                workflow.workflow_id, list(executor_ids), QUEUES[Lane.LONG]
-            )
-        self._notifier.ring()
+        return {workflow.workflow_id for workflow in pending}
+
+    def _requeue(self, workflow_id: str, executor_ids: Sequence[str]) -> None:
+        """Queue anew a job or a share while it is still that executor's: two at once disturb nothing."""
+        self._client._sys_db.reenqueue_for_recovery(workflow_id, list(executor_ids), QUEUES[Lane.LONG])
 
 
 def connected(engine: sa.Engine, schema: str) -> DBOSClient:

@@ -64,6 +64,14 @@ class Engine(Protocol):
         """Queue anew what ran on lost executors."""
         ...
 
+    def abandoned(self, executor_id: str) -> set[str]:
+        """Return the ids of what this process, under this name, has taken and does not work on."""
+        ...
+
+    def requeue(self, workflow_id: str, executor_id: str) -> None:
+        """Queue anew what an executor has taken."""
+        ...
+
 
 def end_stopped_children() -> None:
     """Kill the worker processes that something has stopped: their work is then done in another."""
@@ -140,6 +148,7 @@ class Reconciler:
         self._settle("unknown", unknown, self._enqueue, active=True)
         self._settle("ended", ended, self._restart, active=True)
         self._settle("unwanted", unwanted, self._engine.stop, active=False)
+        self._settle("abandoned", self._engine.abandoned(self._executor.id), self._requeue, active=None)
 
     def _end_due(self) -> bool:
         """End the jobs whose time has come, and return whether others are left."""
@@ -172,21 +181,28 @@ class Reconciler:
         for executor in lost:
             self._executors.remove(executor)
 
-    def _settle(self, what: str, job_ids: set[str], act: Callable[[str], None], *, active: bool) -> None:
+    def _settle(
+        self, what: str, job_ids: set[str], act: Callable[[str], None], *, active: bool | None
+    ) -> None:
         """Act on jobs that were found so twice: once may be the moment between two entries.
 
         Parameters
         ----------
         active
-            Whether the book has still to have them as active.
+            Whether the book has still to have them as active; None: either.
         """
         for job_id in job_ids & self._suspects.get(what, set()):
-            if self._book.is_active(job_id) is active:
+            if active is None or self._book.is_active(job_id) is active:
                 act(job_id)
         self._suspects[what] = job_ids
 
     def _enqueue(self, job_id: str) -> None:
         self._engine.enqueue(self._book.get(job_id))
+
+    def _requeue(self, workflow_id: str) -> None:
+        """Queue anew what was taken and never started, as where the database went away between the two."""
+        _log.info("a job that was not started is queued anew", job=workflow_id)
+        self._engine.requeue(workflow_id, self._executor.id)
 
     def _restart(self, job_id: str) -> None:
         """Queue a job anew that the engine has ended and the book has not."""

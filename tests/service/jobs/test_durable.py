@@ -3,7 +3,7 @@
 import gc
 import os
 import signal
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -302,6 +302,30 @@ def test_a_job_whose_entry_the_engine_misses_is_queued_by_the_reconciler(
         with monkeypatch.context() as patch:
             patch.setattr(DbosEngine, "enqueue", away)
             job = await to_thread.run_sync(partial(runner.submit, "update_and_store", given, owner="me"))
+        ended = await until(runner, job, lambda j: j.state.final)
+        assert ended.state is JobState.SUCCEEDED, ended
+
+    run(places, work)
+
+
+def test_a_job_that_was_taken_from_the_queue_and_never_started_is_done_all_the_same(
+    places: Places, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The database went away between the two: for the engine this executor had it under way for good."""
+    tried: list[str] = []
+
+    def away(_dbos: object, status: Mapping[str, str], *_: object) -> None:
+        tried.append(status["workflow_uuid"])
+        raise sa.exc.InterfaceError("SELECT", {}, Exception("the database is away"))
+
+    async def work(runner: DurableRunner) -> None:
+        given = arguments(places, UpdateOptions(max_iterations=2))
+        with monkeypatch.context() as patch:
+            patch.setattr("dbos._queue.execute_dequeued_workflow", away)
+            job = await to_thread.run_sync(partial(runner.submit, "update_and_store", given, owner="me"))
+            with anyio.fail_after(30.0):
+                while job.id not in tried:
+                    await anyio.sleep(0.05)
         ended = await until(runner, job, lambda j: j.state.final)
         assert ended.state is JobState.SUCCEEDED, ended
 

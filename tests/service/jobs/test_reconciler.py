@@ -24,6 +24,7 @@ class Engine:
 
     known: dict[str, bool] = field(default_factory=dict)
     running_on: set[str] = field(default_factory=set)
+    left: set[str] = field(default_factory=set)
     asked: list[tuple[str, str]] = field(default_factory=list)
 
     def states(self, job_ids: Sequence[str]) -> dict[str, bool]:
@@ -46,6 +47,12 @@ class Engine:
 
     def forget(self, job_ids: Sequence[str]) -> None:
         self.asked += [("forget", job_id) for job_id in job_ids]
+
+    def abandoned(self, executor_id: str) -> set[str]:
+        return self.left
+
+    def requeue(self, workflow_id: str, executor_id: str) -> None:
+        self.asked.append(("requeue", workflow_id))
 
     def recover(self, executor_ids: Sequence[str]) -> None:
         self.asked += [("recover", executor_id) for executor_id in executor_ids]
@@ -106,6 +113,18 @@ def test_jobs_that_both_have_under_way_are_left_alone(executors: ExecutorBook, b
     for _ in range(3):
         reconciles.mend()
     assert engine.asked == []
+
+
+def test_what_this_executor_took_and_does_not_work_on_is_queued_anew_at_the_second_look(
+    executors: ExecutorBook, book: JobBook
+) -> None:
+    job = book.open("update_and_store", {}, owner="me")
+    engine = Engine(known={job.id: True}, running_on={"mine"}, left={job.id, "share of another"})
+    reconciles = reconciler(executors, book, engine)
+    reconciles.mend()
+    assert engine.asked == []  # it may be between taking and starting them
+    reconciles.mend()
+    assert sorted(engine.asked) == sorted([("requeue", job.id), ("requeue", "share of another")])
 
 
 def test_what_a_lost_executor_left_is_queued_anew_and_the_executor_removed(
