@@ -69,16 +69,33 @@ def _product(a: ComplexArray, b: ComplexArray) -> ComplexArray:
 
 
 def solve_small(matrix: ComplexArray, loads: ComplexArray) -> ComplexArray:
-    """Return the solutions of stacked linear systems; in closed form for one or two unknowns."""
-    if matrix.shape[-1] == 1:
+    """Return the solutions of stacked linear systems; in closed form for up to three unknowns.
+
+    By Cramer's rule: a solver call for every line takes twice as long.
+    """
+    n = matrix.shape[-1]
+    if n == 1:
         return np.asarray(loads / matrix)
-    if matrix.shape[-1] != 2:
+    if n > 3:
         return np.asarray(np.linalg.solve(matrix, loads))
-    a, b, c, d = (matrix[..., i, j, None] for i in (0, 1) for j in (0, 1))
-    first, second = loads[..., 0, :], loads[..., 1, :]
-    return np.asarray(
-        np.stack([d * first - b * second, a * second - c * first], axis=-2) / (a * d - b * c)[..., None]
-    )
+    load = [loads[..., i, :] for i in range(n)]
+    adjugate: tuple[tuple[ComplexArray, ...], ...]
+    if n == 2:
+        a, b, c, d = (matrix[..., i, j, None] for i in range(2) for j in range(2))
+        adjugate, determinant = ((d, -b), (-c, a)), a * d - b * c
+    else:
+        a, b, c, d, e, f, g, h, i = (matrix[..., j, k, None] for j in range(3) for k in range(3))
+        first = e * i - f * h, f * g - d * i, d * h - e * g
+        adjugate = (
+            (first[0], c * h - b * i, b * f - c * e),
+            (first[1], a * i - c * g, c * d - a * f),
+            (first[2], b * g - a * h, a * e - b * d),
+        )
+        determinant = a * first[0] + b * first[1] + c * first[2]
+    rows = [
+        sum(factor * part for factor, part in zip(row, load, strict=True)) / determinant for row in adjugate
+    ]
+    return np.asarray(np.stack(rows, axis=-2))
 
 
 def attached_variants(

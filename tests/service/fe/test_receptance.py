@@ -18,6 +18,7 @@ from modallab.fe.receptance import (
     condense_if_cheaper,
     direct_receptance,
     receptance,
+    solve_small,
 )
 from modallab.fe.system import DynamicSystem
 from tests.rigs import beam_system, steel_beam
@@ -206,6 +207,16 @@ def test_a_member_that_is_all_but_taken_out_of_a_large_structure_leaves_the_exac
         wanted = direct_receptance(softened, freq, all_points, all_points)
         # the series for high modes leaves out (1/4)^4 of what they add at the top of the band
         np.testing.assert_allclose(found, wanted, rtol=4e-3, atol=1e-5 * np.abs(wanted).max())
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 4])
+def test_small_systems_are_solved_as_by_the_solver(n: int) -> None:
+    rng = np.random.default_rng(n)
+    matrix = rng.standard_normal((2, 5, n, n)) + 1j * rng.standard_normal((2, 5, n, n))
+    matrix += 2 * n * np.eye(n)  # well-conditioned, as a structure with what is attached to it
+    loads = rng.standard_normal((2, 5, n, 3)) + 1j * rng.standard_normal((2, 5, n, 3))
+    expected = np.linalg.solve(matrix, loads)
+    assert solve_small(matrix, loads) == pytest.approx(expected, rel=1e-12, abs=1e-14)  # rounding
 
 
 def test_attachments_with_motions_of_their_own_are_not_merged() -> None:
