@@ -34,6 +34,7 @@ from modallab.diagnosis.searching.acceptance import is_noise_only
 from modallab.diagnosis.searching.search import ExplanationCriterion, is_prediction_error, search
 from modallab.diagnosis.searching.search_path import SearchPath
 from modallab.diagnosis.searching.search_round import fit_candidates
+from modallab.diagnosis.searching.settings import ROUND
 from modallab.diagnosis.searching.suspects import Suspects, suspected
 from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.fe.damping import UnknownDamping
@@ -41,6 +42,8 @@ from modallab.fe.structure import Structure
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 from modallab.rig.simulated_variance import SimulatedVariance
+
+_FAR_FROM_DATA = ROUND.limiting_cost * FIT.near_noise  # mean square after a few steps
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +85,9 @@ class SearchTask:
         first = self._start(stated, pulse)
         if assumed is None or is_noise_only(first.predictor, first.path.fit):
             return self._search_from(first, self.max_effects, pulse), None
-        second = self._start(assumed, pulse)
+        # Stated tolerances are compared with them; without any, only whether they come near the data counts.
+        complete = any(stated.stated.values())
+        second = self._start(assumed, pulse, complete=complete)
         nothing_missing = is_noise_only(second.predictor, second.path.fit)
         if nothing_missing and not _suggest_effect(second, stated):
             return self._search_from(second, 1, pulse), assumed
@@ -95,6 +100,8 @@ class SearchTask:
             return (second, assumed) if found.unexplained_parts else (found, None)
         if _explains_frfs(found):
             return self._with_spectra_explained(found, single_effects, part(pulse, 0.5, 1.0)), None
+        if not complete and _is_far_from_data(second.path.fit):
+            second = self._start(assumed, pulse)
         return self._search_further(first, second, found, single_effects, assumed, pulse)
 
     def _search_further(
@@ -185,13 +192,19 @@ class SearchTask:
         stage = part(pulse, 0.5, 1.0)
         return self._search_from(second, self.max_effects, stage, single_effects), assumed
 
-    def _start(self, tolerances: Tolerances, pulse: Pulse) -> SearchResult:
-        """Return the fit under tolerances without any effect."""
-        predictor, unexplained, unmeasured = self._first_prediction(tolerances, pulse)
+    def _start(self, tolerances: Tolerances, pulse: Pulse, *, complete: bool = True) -> SearchResult:
+        """Return the fit under tolerances without any effect.
+
+        Parameters
+        ----------
+        complete
+            Whether it is fitted to its end if a few steps leave it far from the data.
+        """
+        predictor, unexplained, unmeasured = self._first_prediction(tolerances, pulse, complete=complete)
         return SearchResult(predictor, SearchPath(unexplained), unmeasured)
 
     def _first_prediction(
-        self, tolerances: Tolerances, pulse: Pulse
+        self, tolerances: Tolerances, pulse: Pulse, *, complete: bool
     ) -> tuple[Predictor, Fit, tuple[Dof, ...]]:
         """Return the predictor, its fit without missing effects, and the held-out responses without a test.
 
@@ -202,7 +215,7 @@ class SearchTask:
         fraction, dofs = self.hold_out_fraction, self.hold_out
         held_out, unmeasured = select_held_out(structure, first, fraction, dofs, self.seed)
         predictor = self._predictor(held_out, tolerances, pulse)
-        start = fit(predictor, ())
+        start = _without_effects(predictor, complete=complete)
         outliers = set[FrfSelection]()
         if any(tolerances.stated.values()):
             roving_hammer = first.setup.roving_hammer
@@ -211,7 +224,7 @@ class SearchTask:
         if outliers & (set(held_out) - set(of_dofs)):
             held_out, _ = select_held_out(structure, first, fraction, dofs, self.seed, spared=outliers)
             predictor = self._predictor(held_out, tolerances, pulse)
-            start = fit(predictor, ())
+            start = _without_effects(predictor, complete=complete)
         return predictor, start, unmeasured
 
     def _predictor(self, held_out: Sequence[FrfSelection], tolerances: Tolerances, pulse: Pulse) -> Predictor:
@@ -287,6 +300,20 @@ class SearchTask:
     def _suspects(self, predictor: Predictor) -> Suspects:
         least_suspicion = DIAGNOSIS.least_suspicion if self.suspects is None else 0.0
         return Suspects(suspected(predictor, self.suspects), least_suspicion)
+
+
+def _without_effects(predictor: Predictor, *, complete: bool) -> Fit:
+    """Return the fit without effects; an incomplete one is given up far from the data after a few steps."""
+    if complete:
+        return fit(predictor, ())
+    observed = predictor.observed
+    n_data = len(predictor.residual(()).vector(observed.fitted))
+    return fit(predictor, (), max_chi_square=_FAR_FROM_DATA * n_data)
+
+
+def _is_far_from_data(found: Fit) -> bool:
+    """Return whether a fit was given up, if it was not to be complete."""
+    return found.chi_square > _FAR_FROM_DATA * found.n_data
 
 
 def _suggest_effect(second: SearchResult, stated: Tolerances) -> bool:
