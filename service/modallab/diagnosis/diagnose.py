@@ -12,6 +12,7 @@ from modallab.core.progress import Progress, Pulse, part, silent
 from modallab.diagnosis.detection import detection_limits
 from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.diagnosis.localisation.locate import locate
+from modallab.diagnosis.measured_tests import MeasuredTests
 from modallab.diagnosis.optimisation.tolerances import NO_TOLERANCES, TolerancePreset, Tolerances
 from modallab.diagnosis.options import DiagnosisOptions
 from modallab.diagnosis.predicting.comparability import check_comparable
@@ -140,7 +141,8 @@ def diagnose(
         check_comparable(structure, test)
     tests, window_notes = zip(*map(with_window_in_use, declared), strict=True)
     measurement = tests[0]
-    task = SearchTask(structure, tests, suspects, hold_out_fraction, tuple(hold_out), max_effects, seed)
+    measured = MeasuredTests(structure, tests, hold_out_fraction, tuple(hold_out), seed)
+    task = SearchTask(measured, suspects, max_effects)
     pulse = Pulse(progress)
     found, assumed = task.run(tolerances, assumed, pulse)
     notes = (*chain.from_iterable(window_notes), *_assumption_note(tolerances, assumed))

@@ -10,7 +10,7 @@ import pytest
 
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members
-from modallab.diagnosis import assumed_tolerances, search_task
+from modallab.diagnosis import assumed_tolerances, measured_tests, search_task
 from modallab.diagnosis.assumed_tolerances import refitted_path
 from modallab.diagnosis.diagnose import diagnose_with_options
 from modallab.diagnosis.fitting.fit import Fit, fit
@@ -148,7 +148,7 @@ def test_searches_under_both_tolerances_share_simulated_tests(monkeypatch: pytes
         predictors.append(predictor)
         return fit(predictor, *given, **options)
 
-    monkeypatch.setattr(search_task, "fit", recorded)
+    monkeypatch.setattr(measured_tests, "fit", recorded)
     diagnosed(INEXACT)
     assert len({len(predictor.nuisances) for predictor in predictors}) == 2  # of stated, of assumed ones
     assert len({id(predictor.simulated) for predictor in predictors}) == 1

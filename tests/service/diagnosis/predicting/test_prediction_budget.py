@@ -79,7 +79,7 @@ def test_a_search_that_was_given_up_follows_its_best_lead_only(monkeypatch: pyte
 
 
 def test_a_diagnosis_that_was_given_up_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("modallab.diagnosis.search_task.BUDGET", BudgetSettings(predictions_per_test=1))
+    monkeypatch.setattr("modallab.diagnosis.measured_tests.BUDGET", BudgetSettings(predictions_per_test=1))
     test = draw_measurement(rig(), [MASS], seed=3)
     found = diagnose(model(), test, suspects=["ground_spring"])
     assert found.verdict is Verdict.UNEXPLAINED
