@@ -36,6 +36,7 @@ class MainsHum(Effect):
     summary: ClassVar[str] = "mains frequency and its harmonics on the response signals"
     stage: ClassVar[Stage] = Stage.NOISE
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Channels)
+    line_frequencies: ClassVar[tuple[float, ...]] = MAINS.frequencies
     ratio: float = parameter(
         0.01,
         unit="1",
@@ -108,7 +109,9 @@ class MainsHum(Effect):
         return np.array([*MAINS.odd_harmonics, *([2] if self.second_harmonic else [])], float)
 
     def _inside(self, acquisition: Acquisition) -> BoolArray:
-        return np.asarray(self._orders * self.frequency <= acquisition.analyser.frequency_max)
+        analyser = acquisition.analyser
+        # Up to half a line above the last one: a fit of the frequency must not lose a harmonic in that.
+        return np.asarray(self._orders * self.frequency <= analyser.frequency_max + analyser.spacing / 2)
 
     def _harmonics(self, acquisition: Acquisition) -> tuple[FloatArray, FloatArray]:
         """Return order and amplitude over the fundamental's, (n,) each, of the harmonics in the band."""

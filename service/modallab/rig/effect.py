@@ -57,6 +57,7 @@ class Effect(Parameterised):
     intermittent: ClassVar[bool] = False  # True: its contribution is concentrated in few records
     nested_kind: ClassVar[str | None] = None  # kind with fewer parameters, a special case of this one
     of_stated_damping: ClassVar[bool] = False  # True: no suspect where the model's damping is unknown
+    line_frequencies: ClassVar[tuple[float, ...]] = ()  # Hz, where it shows in single lines of spectra
     linearised_kinds: ClassVar[tuple[str, ...]] = ()  # kinds that its equivalent linearisation is of
     similar_kinds: ClassVar[tuple[str, ...]] = ()  # kinds much like it at a place that touches its own
     level_dependent: ClassVar[tuple[str, ...]] = ()  # parameters whose size goes with the source's level

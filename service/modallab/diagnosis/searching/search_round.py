@@ -15,9 +15,11 @@ from modallab.diagnosis.searching.exciter_resonance import with_resonance_at_lin
 from modallab.diagnosis.searching.imitation import is_imitated
 from modallab.diagnosis.searching.narrower_errors import with_narrower_errors
 from modallab.diagnosis.searching.neighbouring_places import neighbouring_effects, similar_effects
+from modallab.diagnosis.searching.rival_fits import fitted_from_explanation
 from modallab.diagnosis.searching.scanning import StartingPoint, scan
 from modallab.diagnosis.searching.search_path import kind_and_place
 from modallab.diagnosis.searching.settings import LOSS, ROUND
+from modallab.diagnosis.searching.single_lines import visible_at_single_lines
 from modallab.diagnosis.searching.suspects import Suspects
 from modallab.rig.effect import EFFECTS, Effect
 
@@ -55,6 +57,7 @@ def fit_candidates(
     candidates = _Round(predictor, base, suspected)
     if explanation is not None:
         candidates.add_explanation(explanation)
+    candidates.fit_at_single_lines(linear)
     candidates.examine(linear, part(progress, 0.0, share))
     if explains is not None and nonlinear:
         candidates.accept_best(explains)
@@ -65,6 +68,7 @@ def fit_candidates(
     elif min((single.chi_square for single in candidates.fits), default=np.inf) > chi_square_without:
         nonlinear = []
     candidates.examine(nonlinear, part(progress, share, 1.0))
+    candidates.fit_rivals_from_explanation()
     candidates.fit_limiting_effects()
     candidates.fit_reduced_model()
     return ranked_by_bic(candidates.fits)
@@ -109,6 +113,14 @@ class _Round:
         self._fit_neighbours()
         self._fit_from_declared()
         self._fit_similar_kinds()
+
+    def fit_at_single_lines(self, suspects: Sequence[Effect]) -> None:
+        """Fit what single lines show, which coarse predictions may leave out."""
+        for effect in visible_at_single_lines(self._predictor, self._base, suspects):
+            with suppress(InvalidInputError):
+                _, cost = coarse_fit(self._coarse, self._accepted, effect, 0.0)
+                self._candidates[kind_and_place(effect)] = (cost, effect)
+                self._fit(cost, effect)
 
     def add_explanation(self, single: Fit) -> None:
         """Add the fit of a suspect that leaves random error alone."""
@@ -260,6 +272,12 @@ class _Round:
 
     def _best_of(self, kind: str) -> Fit:
         return min((f for f in self.fits if f.effects[-1].kind == kind), key=_bic)
+
+    def fit_rivals_from_explanation(self) -> None:
+        """Fit the rivals of an explanation from its tolerances too."""
+        if self.explanation is not None and self.fits:
+            best = min(self.fits, key=_bic)
+            self.fits = fitted_from_explanation(self._predictor, self._accepted, self.fits, best)
 
     def fit_limiting_effects(self) -> None:
         """Fit what the best effect tends to, from there: a fit from the scan may have ended elsewhere.

@@ -298,6 +298,27 @@ class ResonanceSettings(Settings):
 
 
 @dataclass(frozen=True)
+class SingleLineSettings(Settings):
+    """Effects that show in single lines."""
+
+    least_excess: float = setting(
+        6.0,
+        unit="standard deviations",
+        doc="excess of an incoherent spectrum at a line over all beside it from which an effect shows",
+        derived="beyond chance among a thousand lines and a dozen channels (4.5)",
+    )
+    reach: int = setting(
+        2, unit="lines", doc="lines on either side that show the effect too", derived="of windows in use"
+    )
+    lines_beside: int = setting(
+        6, unit="lines", doc="further lines on either side", derived="a resonance is as wide as some of them"
+    )
+    few_channels: int = setting(
+        2, unit="channels", doc="channels up to which each is taken for itself", tuned=TESTS
+    )
+
+
+@dataclass(frozen=True)
 class NarrowingSettings(Settings):
     """Smaller effects in bursts, whose random errors are narrower."""
 
@@ -405,6 +426,7 @@ SCREENING = ModificationScreenSettings()
 SCAN = ScanSettings()
 ROUND = RoundSettings()
 RESONANCE = ResonanceSettings()
+SINGLE_LINES = SingleLineSettings()
 NARROWING = NarrowingSettings()
 SEARCH = SearchSettings()
 MULTIPLE_ELEMENTS = MultipleElementsSettings()

@@ -28,6 +28,7 @@ from modallab.effects.attached_oscillator import AttachedOscillator
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.density_error import DensityError
 from modallab.effects.extra_mass import ExtraMass
+from modallab.effects.force_transducer_mass import ForceTransducerMass
 from modallab.effects.ground_spring import GroundSpring
 from modallab.effects.loss_factor_error import LossFactorError
 from modallab.effects.stiffness_error import StiffnessError
@@ -96,6 +97,32 @@ def test_of_a_model_wrong_everywhere_a_fit_begins_at_the_declared_values_too(
     found, *_ = fit_candidates(predictor, without, Suspects([ExtraMass(Dof(6, "Y"))]), progress=silent)
     assert found.chi_square < 1.1 * found.n_data  # 1,900 squares scatter by 3 %
     assert found.effects[-1].parameters["mass"] == pytest.approx(0.05, rel=0.02)
+
+
+def test_a_rival_whose_fit_ended_elsewhere_is_fitted_from_the_tolerances_of_the_explanation(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A mass at the drive point was named at probability 1.0: that of the transducer had a poor fit."""
+    predictor, _ = predicting(draw_measurement(rig(noise=1e-5), [ForceTransducerMass(mass=0.014)], seed=4))
+    ordinary = Tolerances.preset(TolerancePreset.ORDINARY)
+    predictor = predictor.with_nuisances(nuisance_parameters(ordinary, predictor.system, predictor.setup))
+    ended: list[Effect] = []
+
+    def elsewhere(predictor: Predictor, effects: Sequence[Effect], **options: Any) -> Fit:
+        found = fit(predictor, effects, **options)
+        if isinstance(effects[-1], ForceTransducerMass) and not ended:
+            ended.append(effects[-1])
+            poor = effects[-1].with_parameters({"mass": 0.012})
+            return replace(found, effects=(poor,), chi_square=10 * found.chi_square)
+        return found
+
+    monkeypatch.setattr(module, "fit", elsewhere)
+    suspects = Suspects([ForceTransducerMass(), ExtraMass(Dof(1, "Y")), ExtraMass(Dof(6, "Y"))])
+    candidates = fit_candidates(predictor, fit(predictor, ()), suspects, progress=silent)
+    found = {single.effects[-1].kind: single.chi_square for single in candidates[:2]}
+    assert ended
+    # equal physics: both fits end within their tolerance
+    assert found["force_transducer_mass"] == pytest.approx(found["extra_mass"], rel=0.01)
 
 
 def test_two_vain_starts_at_the_declared_values_are_enough(monkeypatch: pytest.MonkeyPatch) -> None:
