@@ -66,19 +66,23 @@ class MeasuredTests:
         predictor, unexplained, unmeasured = self._first_prediction(tolerances, pulse, complete=complete)
         return SearchResult(predictor, SearchPath(unexplained), unmeasured)
 
-    def sparing_outliers_of(self, found: SearchResult) -> "MeasuredTests | None":
-        """Return the tests without holding out the FRFs that stand out beside found effects; None if none do.
+    def sparing_outliers_of(self, result: SearchResult) -> "MeasuredTests | None":
+        """Return the tests without holding out the FRFs that stand out beside a result; None if none do.
 
-        Its own FRFs alone tell the error of a channel, and while a larger effect was missing it did not stand
-        out.
+        An error of a channel shows in its own FRFs alone, and a larger effect may have hidden it.
         """
-        observed, first = found.predictor.observed, self.measurements[0]
+        outliers = self._held_out_outliers(result.predictor, result.path.fit)
+        return replace(self, spared=self.spared | outliers) if outliers else None
+
+    def _held_out_outliers(self, predictor: Predictor, fitted: Fit) -> frozenset[FrfSelection]:
+        """Return the FRFs that stand out, if one of them is held out by choice; else none."""
+        observed, first = predictor.observed, self.measurements[0]
         roving_hammer = first.setup.roving_hammer
-        outliers = outlying_frfs(observed, found.path.fit.residual, roving_hammer=roving_hammer)
-        of_dofs, _ = select_held_out(self.structure, first, 0.0, self.hold_out, self.seed)
+        outliers = frozenset(outlying_frfs(observed, fitted.residual, roving_hammer=roving_hammer))
+        requested, _ = select_held_out(self.structure, first, 0.0, self.hold_out, self.seed)
         channels = [c for c, out in zip(observed.channels, observed.held_out, strict=True) if out]
-        held_out = {frf for frf in outliers if any(map(frf.selects, channels))} - set(of_dofs)
-        return replace(self, spared=self.spared | held_out) if held_out else None
+        chosen = {frf for frf in outliers if any(map(frf.selects, channels))} - set(requested)
+        return outliers if chosen else frozenset()
 
     def _first_prediction(
         self, tolerances: Tolerances, pulse: Pulse, *, complete: bool
@@ -95,12 +99,8 @@ class MeasuredTests:
         )
         predictor = self._predictor(held_out, tolerances, pulse)
         start = _without_effects(predictor, complete=complete)
-        outliers = set[FrfSelection]()
-        if any(tolerances.stated.values()):
-            roving_hammer = first.setup.roving_hammer
-            outliers = set(outlying_frfs(predictor.observed, start.residual, roving_hammer=roving_hammer))
-        of_dofs, _ = select_held_out(structure, first, 0.0, dofs, self.seed)
-        if outliers & (set(held_out) - set(of_dofs)):
+        stated = any(tolerances.stated.values())
+        if stated and (outliers := self._held_out_outliers(predictor, start)):
             spared = outliers | self.spared
             held_out, _ = select_held_out(structure, first, fraction, dofs, self.seed, spared=spared)
             predictor = self._predictor(held_out, tolerances, pulse)
@@ -145,9 +145,9 @@ def _without_effects(predictor: Predictor, *, complete: bool) -> Fit:
     return fit(predictor, (), max_chi_square=_FAR_FROM_DATA * n_data)
 
 
-def is_far_from_data(found: Fit) -> bool:
-    """Return whether a fit was given up, if it was not to be complete."""
-    return found.chi_square > _FAR_FROM_DATA * found.n_data
+def is_far_from_data(fitted: Fit) -> bool:
+    """Return whether a fit is so far from the data that an incomplete one is given up."""
+    return fitted.chi_square > _FAR_FROM_DATA * fitted.n_data
 
 
 def _with_all_responses(setups: Sequence[RigSetup]) -> RigSetup:

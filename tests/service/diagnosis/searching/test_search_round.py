@@ -36,6 +36,18 @@ from modallab.rig.effect import Effect
 from tests.diagnosing import draw_measurement, predicting, rig
 
 
+def recorded_scans(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Return the kinds of all effects that are scanned, filled as they are."""
+    kinds: list[str] = []
+
+    def scan_and_record(*given: Any) -> list[StartingPoint]:
+        kinds.extend(effect.kind for effect in given[2])
+        return scan(*given)
+
+    monkeypatch.setattr(module, "scan", scan_and_record)
+    return kinds
+
+
 def test_a_place_that_the_scan_takes_for_its_neighbour_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     hidden = ExtraMass(Dof(6, "Y"), 0.1)
     predictor, _ = predicting(draw_measurement(rig(), [hidden]))
@@ -233,13 +245,7 @@ def test_no_nonlinear_force_is_sought_beside_what_assumed_tolerances_explain(
     explained: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Stated tolerances leave more than random error of a model that is a little wrong everywhere."""
-    scanned: list[str] = []
-
-    def recorded(*given: Any) -> list[StartingPoint]:
-        scanned.extend(effect.kind for effect in given[2])
-        return scan(*given)
-
-    monkeypatch.setattr(module, "scan", recorded)
+    scanned = recorded_scans(monkeypatch)
     hidden = StiffnessError(Members((3,)), 0.6)
     predictor, _ = predicting(draw_measurement(rig(), [StiffnessError(None, 1.005), hidden]))
     suspects = Suspects([hidden.with_parameters({"factor": 1.5}), CubicStiffness(Dof(7, "Y"))])
@@ -259,13 +265,7 @@ def test_no_nonlinear_force_is_sought_beside_what_assumed_tolerances_explain(
 def test_nonlinear_forces_are_left_to_tolerances_that_alone_come_nearer_the_data(
     near: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    scanned: list[str] = []
-
-    def recorded(*given: Any) -> list[StartingPoint]:
-        scanned.extend(effect.kind for effect in given[2])
-        return scan(*given)
-
-    monkeypatch.setattr(module, "scan", recorded)
+    scanned = recorded_scans(monkeypatch)
     predictor, _ = predicting(draw_measurement(rig(), [StiffnessError(None, 1.005)]))
     suspects = Suspects([StiffnessError(Members((3,)), 1.5), CubicStiffness(Dof(7, "Y"))])
     start = fit(predictor, ())
