@@ -79,12 +79,12 @@ def groups() -> dict[str, Settings]:
     """Return all settings that decide what a diagnosis says, by module and name."""
     result: dict[str, Settings] = {}
     for module in pkgutil.walk_packages(modallab.__path__, "modallab."):
-        if not module.name.endswith(".settings") or not module.name.startswith(ROOMS):
+        if not module.name.endswith("settings") or not module.name.startswith(ROOMS):
             continue
-        room = importlib.import_module(module.name)
-        for name, value in vars(room).items():
+        room = module.name.removeprefix("modallab.").rpartition(".")[0]
+        for name, value in vars(importlib.import_module(module.name)).items():
             if isinstance(value, Settings):
-                result[f"{module.name.removeprefix('modallab.').removesuffix('.settings')}.{name}"] = value
+                result[f"{room}.{name}"] = value
     return result
 
 

@@ -20,8 +20,8 @@ from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredic
 from modallab.diagnosis.residuals.frf_selection import FrfSelection
 from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.search_result import SearchResult
+from modallab.diagnosis.searching.round_settings import ROUND
 from modallab.diagnosis.searching.search_path import SearchPath
-from modallab.diagnosis.searching.settings import ROUND
 from modallab.fe.damping import UnknownDamping
 from modallab.fe.structure import Structure
 from modallab.rig.measurement import Measurement

@@ -13,7 +13,7 @@ from modallab.diagnosis.residuals.normalised_difference import logarithm_weight
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.residual import residual
 from modallab.diagnosis.searching.run_receptances import Exchange, RunReceptances
-from modallab.diagnosis.searching.settings import SCREENING
+from modallab.diagnosis.searching.scan_settings import SCREENING
 from modallab.rig.effect import Effect
 
 

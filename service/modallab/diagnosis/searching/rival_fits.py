@@ -7,7 +7,8 @@ from modallab.core.errors import InvalidInputError
 from modallab.diagnosis.fitting.coarse_fit import coarse_fit
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.searching.settings import LOSS, ROUND
+from modallab.diagnosis.searching.round_settings import ROUND
+from modallab.diagnosis.searching.scan_settings import LOSS
 from modallab.rig.effect import Effect
 
 

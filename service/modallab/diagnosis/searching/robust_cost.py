@@ -5,7 +5,7 @@ import numpy as np
 from modallab.core.arrays import FloatArray
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
 from modallab.diagnosis.residuals.residual import inflation_weights
-from modallab.diagnosis.searching.settings import LOSS
+from modallab.diagnosis.searching.scan_settings import LOSS
 
 
 class RobustCost:

@@ -12,7 +12,7 @@ from modallab.core.progress import Progress, part
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
 from modallab.diagnosis.residuals.residual import residual
 from modallab.diagnosis.searching.robust_cost import RobustCost, line_minimum_fraction
-from modallab.diagnosis.searching.settings import LOSS, SCAN
+from modallab.diagnosis.searching.scan_settings import LOSS, SCAN
 from modallab.diagnosis.searching.shortlist import ListedPlace, shortlist
 from modallab.diagnosis.searching.starting_values import local_minima, smallest_amounts, with_amount_scaled
 from modallab.rig.effect import Effect

@@ -16,6 +16,7 @@ from modallab.diagnosis.searching.acceptance import (
 from modallab.diagnosis.searching.common_deviation import with_common_deviation
 from modallab.diagnosis.searching.equivalent_fits import without_undetermined_effects
 from modallab.diagnosis.searching.multiple_elements import multiple_elements, verify
+from modallab.diagnosis.searching.round_settings import ROUND
 from modallab.diagnosis.searching.search_path import (
     AcceptedEffect,
     SearchPath,
@@ -24,7 +25,7 @@ from modallab.diagnosis.searching.search_path import (
     with_optional_parameters_of_all,
 )
 from modallab.diagnosis.searching.search_round import fit_candidates
-from modallab.diagnosis.searching.settings import ACCEPTANCE, ROUND, SEARCH
+from modallab.diagnosis.searching.settings import ACCEPTANCE, SEARCH
 from modallab.diagnosis.searching.suspects import Suspects
 from modallab.rig.effect import Effect, is_nonlinear
 

@@ -10,7 +10,8 @@ from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import excess_ratio, is_noise_only, ranked_by_bic
 from modallab.diagnosis.searching.equivalent_values import resolve_equivalents
 from modallab.diagnosis.searching.neighbouring_places import neighbouring_effects
-from modallab.diagnosis.searching.settings import ACCEPTANCE, ROUND, SEARCH
+from modallab.diagnosis.searching.round_settings import ROUND
+from modallab.diagnosis.searching.settings import ACCEPTANCE, SEARCH
 from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.rig.effect import Effect
 

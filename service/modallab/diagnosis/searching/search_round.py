@@ -10,15 +10,17 @@ from modallab.core.progress import Progress, part, silent
 from modallab.diagnosis.fitting.coarse_fit import coarse_fit
 from modallab.diagnosis.fitting.fit import Fit, fit, with_optional_parameters
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.searching.acceptance import is_noise_only, is_undetermined, ranked_by_bic
+from modallab.diagnosis.searching.acceptance import is_noise_only, ranked_by_bic
 from modallab.diagnosis.searching.exciter_resonance import with_resonance_at_lines
 from modallab.diagnosis.searching.imitation import is_imitated
+from modallab.diagnosis.searching.limiting_fits import with_limiting_effects, with_reduced_model
 from modallab.diagnosis.searching.narrower_errors import with_narrower_errors
 from modallab.diagnosis.searching.neighbouring_places import neighbouring_effects, similar_effects
 from modallab.diagnosis.searching.rival_fits import fitted_from_explanation
+from modallab.diagnosis.searching.round_settings import ROUND
+from modallab.diagnosis.searching.scan_settings import LOSS
 from modallab.diagnosis.searching.scanning import StartingPoint, scan
 from modallab.diagnosis.searching.search_path import kind_and_place
-from modallab.diagnosis.searching.settings import LOSS, ROUND
 from modallab.diagnosis.searching.single_lines import visible_at_single_lines
 from modallab.diagnosis.searching.suspects import Suspects
 from modallab.rig.effect import EFFECTS, Effect
@@ -69,8 +71,7 @@ def fit_candidates(
         nonlinear = []
     candidates.examine(nonlinear, part(progress, share, 1.0))
     candidates.fit_rivals_from_explanation()
-    candidates.fit_limiting_effects()
-    candidates.fit_reduced_model()
+    candidates.fit_limits_of_best()
     return ranked_by_bic(candidates.fits)
 
 
@@ -134,7 +135,7 @@ class _Round:
     def accept_best(self, explains: Callable[[Fit], bool]) -> None:
         """Take the best fit for the explanation if it is one, unless there is one already."""
         if self.explanation is None and self.fits:
-            best = min(self.fits, key=_bic)
+            best = min(self.fits, key=Fit.bic_between_kinds)
             if explains(best):
                 cost, effect = self._start_of(best)
                 self._max_cost, self.explanation = ROUND.hopeless_cost * cost, effect
@@ -237,7 +238,7 @@ class _Round:
         """Fit what acts much as the best effect does, where it touches that, while none explains the test."""
         if not self.fits or self.explanation is not None:
             return
-        predictor, best = self._predictor, min(self.fits, key=_bic)
+        predictor, best = self._predictor, min(self.fits, key=Fit.bic_between_kinds)
         similar = [
             effect
             for effect in similar_effects(best.effects[-1], predictor.system, predictor.setup)
@@ -264,55 +265,27 @@ class _Round:
         least = min((found.chi_square for found in self.fits), default=0.0)
         limit = ROUND.competitive_cost * least if explained else np.inf
         near = [found for found in self.fits if found.chi_square <= limit]
-        order = [found.effects[-1] for found in sorted(near, key=_bic)]
+        order = [found.effects[-1] for found in sorted(near, key=Fit.bic_between_kinds)]
         # Fits of nonlinear forces cost most: one less probable than an explanation stays where it is.
         likely = [effect for i, effect in enumerate(order) if not (explained and i and effect.on_motion())]
         kinds = dict.fromkeys(effect.kind for effect in likely if effect.structural)
         return list(kinds)[: ROUND.kinds_at_neighbours]
 
     def _best_of(self, kind: str) -> Fit:
-        return min((f for f in self.fits if f.effects[-1].kind == kind), key=_bic)
+        return min((f for f in self.fits if f.effects[-1].kind == kind), key=Fit.bic_between_kinds)
 
     def fit_rivals_from_explanation(self) -> None:
         """Fit the rivals of an explanation from its tolerances too."""
         if self.explanation is not None and self.fits:
-            best = min(self.fits, key=_bic)
+            best = min(self.fits, key=Fit.bic_between_kinds)
             self.fits = fitted_from_explanation(self._predictor, self._accepted, self.fits, best)
 
-    def fit_limiting_effects(self) -> None:
-        """Fit what the best effect tends to, from there: a fit from the scan may have ended elsewhere.
-
-        Where the data do not determine how near it is to such a limit, the limit stands for it.
-        """
-        if not self.fits:
-            return
-        best = min(self.fits, key=_bic)
-        limits = best.effects[-1].limiting_effects()
-        predictor = self._predictor.with_nuisances_at(best.nuisance_position)
-        for effect in limits:
-            name = kind_and_place(effect)
-            if name not in self._suspected:
-                continue
-            limit = ROUND.limiting_cost * best.chi_square
-            with suppress(InvalidInputError):
-                found = fit(predictor, (*self._accepted, effect), near=self._base, max_chi_square=limit)
-                known = [f for f in self.fits if kind_and_place(f.effects[-1]) == name]
-                if all(found.chi_square < f.chi_square for f in known):
-                    self._fitted.add(name)
-                    self.fits = [found, *(f for f in self.fits if f not in known)]
-        limit_names = {kind_and_place(effect) for effect in limits}
-        max_chi_square = (1 + ROUND.same_cost) * best.chi_square
-        fits_of_limits = [f for f in self.fits if kind_and_place(f.effects[-1]) in limit_names]
-        if any(f.chi_square < max_chi_square for f in fits_of_limits) and is_undetermined(best):
-            self.fits.remove(best)
-
-    def fit_reduced_model(self) -> None:
-        """Fit the reduced model of the best effect, which may not have been among the best."""
-        best = min(self.fits, key=_bic, default=None)
-        reduced = None if best is None else best.effects[-1].reduced_model()
-        if reduced is not None and kind_and_place(reduced[0]) in self._suspected - self._fitted:
-            with suppress(InvalidInputError):
-                self.fits.append(fit(self._predictor, (*self._accepted, reduced[0]), near=self._base))
+    def fit_limits_of_best(self) -> None:
+        """Fit what the best effect tends to and its reduced model, which may not have been among the best."""
+        predictor, base, suspected = self._predictor, self._base, self._suspected
+        self.fits = with_limiting_effects(predictor, base, self.fits, suspected)
+        unfitted = suspected - self._fitted - {kind_and_place(found.effects[-1]) for found in self.fits}
+        self.fits = with_reduced_model(predictor, base, self.fits, unfitted)
 
     def _fit(self, cost: float, effect: Effect) -> None:
         if kind_and_place(effect) in self._fitted:
@@ -332,10 +305,6 @@ class _Round:
     def _explains(self, candidate: Fit) -> bool:
         # Gaps cost more than a fit where power leaks, and only those of fits near the data matter.
         return candidate.is_near_data and is_noise_only(self._predictor, candidate)
-
-
-def _bic(candidate: Fit) -> float:
-    return candidate.bic_between_kinds()
 
 
 def _worth_fitting(candidates: Iterable[tuple[float, Effect]]) -> list[tuple[float, Effect]]:

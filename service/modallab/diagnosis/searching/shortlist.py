@@ -15,7 +15,7 @@ from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.residual import residual
 from modallab.diagnosis.searching.modification_screen import ModificationScreen
 from modallab.diagnosis.searching.robust_cost import RobustCost, line_minimum_fraction
-from modallab.diagnosis.searching.settings import LOSS, SCAN, SHORTLIST
+from modallab.diagnosis.searching.scan_settings import LOSS, SCAN, SHORTLIST
 from modallab.diagnosis.searching.starting_values import (
     near_minima,
     scan_sizes,

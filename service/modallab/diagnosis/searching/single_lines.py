@@ -8,7 +8,7 @@ from modallab.core.arrays import BoolArray, FloatArray
 from modallab.core.place import Channels
 from modallab.diagnosis.fitting.fit import Fit
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.searching.settings import SINGLE_LINES
+from modallab.diagnosis.searching.round_settings import SINGLE_LINES
 from modallab.diagnosis.searching.starting_values import scan_sizes
 from modallab.rig.effect import Effect
 

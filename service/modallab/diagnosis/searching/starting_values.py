@@ -7,7 +7,7 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.core.parameters import ParameterSpec
-from modallab.diagnosis.searching.settings import STARTING_VALUES
+from modallab.diagnosis.searching.scan_settings import STARTING_VALUES
 from modallab.rig.effect import Effect
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from modallab.diagnosis.searching.robust_cost import cauchy_loss
-from modallab.diagnosis.searching.settings import LOSS
+from modallab.diagnosis.searching.scan_settings import LOSS
 
 
 @pytest.mark.parametrize("n", [1, 3, 4, 7, 1000])

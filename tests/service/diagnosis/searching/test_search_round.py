@@ -20,9 +20,9 @@ from modallab.diagnosis.optimisation.nuisances import draw_positions
 from modallab.diagnosis.optimisation.tolerances import TolerancePreset, Tolerances
 from modallab.diagnosis.predicting.prediction_budget import PredictionBudget
 from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.searching.round_settings import ROUND
 from modallab.diagnosis.searching.scanning import StartingPoint, scan
 from modallab.diagnosis.searching.search_round import fit_candidates
-from modallab.diagnosis.searching.settings import ROUND
 from modallab.diagnosis.searching.suspects import Suspects
 from modallab.effects.attached_oscillator import AttachedOscillator
 from modallab.effects.cubic_stiffness import CubicStiffness

@@ -10,7 +10,7 @@ from modallab.core.place import Channels
 from modallab.core.progress import silent
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
 from modallab.diagnosis.searching.modification_screen import ModificationScreen
-from modallab.diagnosis.searching.settings import SHORTLIST
+from modallab.diagnosis.searching.scan_settings import SHORTLIST
 from modallab.diagnosis.searching.shortlist import ListedPlace, shortlist
 from modallab.diagnosis.searching.starting_values import scan_sizes
 from modallab.effects.cubic_stiffness import CubicStiffness
