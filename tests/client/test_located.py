@@ -33,7 +33,7 @@ FOUND: dict[str, Any] = {
         "bands": [[22.0, 24.0]],
         "dofs": ["5:+Y"],
         "modes": [2],
-        "words": ["only one response, 5:+Y, disagrees; all other responses agree"],
+        "words": ["only one response, 5:+Y, disagrees; all others agree within random error and tolerances"],
         "signs": ["one_response"],
         "mode_shifts": [SHIFT | {"of_a_later_version": 1.0}],
         "responses": [MISFIT],

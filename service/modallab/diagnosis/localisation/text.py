@@ -21,6 +21,7 @@ PATTERNS_WITHOUT_MODES = {
     GapPattern.ONE_RESPONSE,
     GapPattern.DRIVE_POINT_ONLY,
 }
+OTHERS_AGREE = "all others agree within random error and tolerances"
 PATTERNS = {
     GapPattern.FORCE_ONLY: (
         "the FRFs agree; only the auto spectra disagree, the force spectrum most: "
@@ -30,8 +31,8 @@ PATTERNS = {
         "the FRFs agree; only the auto spectra disagree: the part of the responses that is not coherent "
         "with the force is {size} than the log book predicts"
     ),
-    GapPattern.ONE_RESPONSE: "only one response, {dof}, disagrees; all other responses agree",
-    GapPattern.DRIVE_POINT_ONLY: "only the drive point, {dof}, disagrees; all other responses agree",
+    GapPattern.ONE_RESPONSE: "only one response, {dof}, disagrees; {others_agree}",
+    GapPattern.DRIVE_POINT_ONLY: "only the drive point, {dof}, disagrees; {others_agree}",
     GapPattern.LOW_FREQUENCY: "only the low end of the band disagrees, up to {high:.4g} Hz",
     GapPattern.HIGH_FREQUENCY: "only the high end of the band disagrees, from {low:.4g} Hz",
     GapPattern.LEVEL_DEPENDENCE: (
@@ -40,8 +41,8 @@ PATTERNS = {
 }
 # With a roving hammer a response has several FRFs.
 FRF_PATTERNS = {
-    GapPattern.ONE_RESPONSE: "only one FRF, {frf}, disagrees; all other FRFs agree",
-    GapPattern.DRIVE_POINT_ONLY: "only the drive-point FRF {frf} disagrees; all other FRFs agree",
+    GapPattern.ONE_RESPONSE: "only one FRF, {frf}, disagrees; {others_agree}",
+    GapPattern.DRIVE_POINT_ONLY: "only the drive-point FRF {frf} disagrees; {others_agree}",
 }
 
 
@@ -106,6 +107,7 @@ def _pattern(pattern: GapPattern, localisation: Localisation, distribution: GapD
     worst = distribution.channels[int(distribution.by_channel.argmax())]
     patterns = {**PATTERNS, **(FRF_PATTERNS if distribution.roving_hammer else {})}
     return patterns[pattern].format(
+        others_agree=OTHERS_AGREE,
         dof=worst.response,
         frf=worst,
         size="larger" if response is None or response.sum() > 0 else "smaller",
