@@ -13,6 +13,7 @@ from modallab.diagnosis.optimisation.nuisances import Nuisances
 from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.search_result import SearchResult
 from modallab.diagnosis.searching.acceptance import is_noise_only, is_significant, ranked_by_bic
+from modallab.diagnosis.searching.limiting_fits import with_limiting_effects
 from modallab.diagnosis.searching.round_settings import ROUND
 from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, kind_and_place, refine_path
 from modallab.diagnosis.settings import DIAGNOSIS
@@ -35,7 +36,10 @@ def refitted_round(fits: Sequence[Fit], second: SearchResult, alone: Fit) -> lis
 
 
 def _refitted(fits: Sequence[Fit], second: SearchResult, alone: Fit) -> list[Fit]:
-    """Return the competitive fits of single effects under the second tolerances, best first."""
+    """Return the competitive fits of single effects under the second tolerances, best first.
+
+    What the best one tends to is fitted from there: from elsewhere its tolerances may end in another minimum.
+    """
     limit = ROUND.competitive_cost * fits[0].chi_square
     # Beside an effect that leaves noise alone, one that leaves far more is no rival.
     explained = is_noise_only(second.predictor, alone)
@@ -55,7 +59,9 @@ def _refitted(fits: Sequence[Fit], second: SearchResult, alone: Fit) -> list[Fit
             return found
         return with_optional_parameters(predictor, found, second.path.fit)
 
-    return ranked_by_bic([refitted(single) for single in competitive])
+    found = [refitted(single) for single in competitive]
+    names = {kind_and_place(single.effects[-1]) for single in fits}
+    return ranked_by_bic(with_limiting_effects(second.predictor, second.path.fit, found, names))
 
 
 def near_data_round(fits: Sequence[Fit], first: SearchResult) -> list[Fit]:

@@ -1,5 +1,6 @@
 """Tolerances that are assumed for an uploaded test."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from types import ModuleType
 from typing import Any
@@ -189,6 +190,19 @@ def test_what_the_first_search_explains_is_kept_where_the_second_ends_worse(
     assert {step.effect.kind for step in found.steps} == {"extra_mass", "gain_error"}
     assert (found.verdict is Verdict.EXPLAINED) is assumed
     assert any("assumed" in note for note in found.notes) is assumed
+
+
+def test_a_mass_whose_fit_ends_elsewhere_is_not_named_an_oscillator(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An oscillator far above the band, which is a mass, was named with certainty."""
+
+    def ended_elsewhere(predictor: Predictor, effects: Sequence[Effect], **given: Any) -> Fit:
+        found = fit(predictor, effects, **given)
+        of_mass = any(effect.kind == "extra_mass" for effect in effects)
+        return replace(found, chi_square=found.chi_square + 30) if of_mass else found
+
+    monkeypatch.setattr(assumed_tolerances, "fit", ended_elsewhere)
+    found = diagnosed(ExtraMass(Dof(4, "Y"), 0.2), INEXACT, suspects=("extra_mass", "attached_oscillator"))
+    assert [step.effect.kind for step in found.steps] == ["extra_mass"]
 
 
 def test_rivals_of_what_is_kept_are_fitted_under_the_same_tolerances(monkeypatch: pytest.MonkeyPatch) -> None:
