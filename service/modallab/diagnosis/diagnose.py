@@ -210,8 +210,12 @@ def _unknown(found: SearchResult) -> Unknown | None:
 
 
 def _imitated(steps: Sequence[Step], unknown: Unknown) -> bool:
-    """Return whether the added effects imitate an unknown one elsewhere that alone leaves far less."""
-    elsewhere = all(step.effect.at != unknown.at for step in steps)
+    """Return whether the added effects imitate an unknown one that alone leaves far less.
+
+    Effects at the place of the unknown one do not imitate it: they may be a part of it. What acts on all
+    channels or on the whole structure has no such place.
+    """
+    elsewhere = unknown.at is None or all(step.effect.at != unknown.at for step in steps)
     excess = DIAGNOSIS.far_less * (steps[-1].gap_after - 1)
     return elsewhere and not unknown.beside_steps and unknown.gap_after - 1 < excess
 

@@ -6,14 +6,16 @@ import pytest
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.place import Members
-from modallab.diagnosis.diagnose import diagnose
-from modallab.diagnosis.result import Verdict
+from modallab.diagnosis.diagnose import diagnose, diagnose_with_options
+from modallab.diagnosis.options import DiagnosisOptions
+from modallab.diagnosis.result import UnknownCause, Verdict
 from modallab.effects.accelerometer_mass import AccelerometerMass
 from modallab.effects.attached_oscillator import AttachedOscillator
 from modallab.effects.exciter_armature import ExciterArmature
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.force_noise import ForceNoise
 from modallab.effects.leakage import Leakage
+from modallab.effects.polarity import Polarity
 from modallab.effects.response_noise import ResponseNoise
 from modallab.effects.stiffness_error import StiffnessError
 from modallab.effects.stinger_bending import StingerBending
@@ -232,3 +234,13 @@ def test_a_stinger_on_a_beam_that_moves_across_only_comes_before_the_same_spring
     ]
     stiffness = step.effect.parameters["stiffness"]
     assert abs(stiffness.value - hidden.stiffness) < 4 * stiffness.standard_error  # four standard errors
+
+
+def test_effects_of_all_channels_that_imitate_an_unknown_one_explain_no_part() -> None:
+    """A delay and a high-pass filter turn signs by about half a turn: a part, it was said."""
+    test = draw_measurement(rig(), [Polarity(None)])
+    options = DiagnosisOptions(suspects=("channel_delay", "ac_coupling"), max_effects=2)
+    found = diagnose_with_options(model(), test, options)
+    assert found.unknown is not None
+    assert found.unknown.cause is UnknownCause.COMMON_GAIN
+    assert found.verdict is Verdict.UNEXPLAINED
