@@ -66,7 +66,9 @@ def derivative_kernel(chain: Chain) -> LeakageKernel | None:
     return refined_kernel(chain.setup.analyser, *chain.poles(), QUADRATURE.derivative_points)
 
 
-def coarse_spectra(chain: Chain, step: int, lines: IntArray | None = None) -> CrossSpectra:
+def coarse_spectra(
+    chain: Chain, step: int, lines: IntArray | None = None, *, noise_of_all_lines: bool = False
+) -> CrossSpectra:
     """Return the expected spectra at every `step`-th line, leakage on a coarse grid.
 
     Several times faster than `expected_spectra`, and within some per cent of it at resonances much
@@ -78,6 +80,9 @@ def coarse_spectra(chain: Chain, step: int, lines: IntArray | None = None) -> Cr
         Lines from one line to the next, from 0 Hz on.
     lines
         (n,) indices from 0 Hz on of those of these lines that are needed; None: all.
+    noise_of_all_lines
+        Whether ratios of noise relate to the means of all lines in any case; else only where the force is
+        narrow.
     """
     freq = chain.setup.analyser.freq
     selection = LineSelection.every(step, len(freq))
@@ -88,13 +93,13 @@ def coarse_spectra(chain: Chain, step: int, lines: IntArray | None = None) -> Cr
     screened = step > 1 or transient_of(chain) is not None
     clean = noise_free(chain, selection, coarse=screened)
     all_lines = None
-    if screened and _narrow_in_force(chain):
+    if screened and (noise_of_all_lines or narrow_in_force(chain)):
         all_lines = noise_free(chain, LineSelection.every(1, len(freq)), coarse=True)
     spectra = _with_noise(chain, clean, selection.of(freq), all_lines)
     return spectra.at(lines // step) if lines is not None and some else spectra
 
 
-def _narrow_in_force(chain: Chain) -> bool:
+def narrow_in_force(chain: Chain) -> bool:
     """Return whether an armature resonates on its stinger: a few lines may have most of the force's power."""
     return any(drive.compliance > 0 and drive.mass > 0 for run in chain.runs for drive in run.drives)
 

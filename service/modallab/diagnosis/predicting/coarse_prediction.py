@@ -121,8 +121,8 @@ class CoarsePrediction:
 class _CorrectedSpectra:
     """Coarse spectra of one test, times the ratio of exact to coarse ones without the addition.
 
-    The error of leakage on a coarse grid, and of distortion left out, is nearly the same with and without a
-    small addition, and so cancels in the ratio.
+    The error of leakage on a coarse grid, of means over few lines, and of distortion left out is nearly the
+    same with and without a small addition, and so cancels in the ratio.
     """
 
     spectra: CoarseSpectra
@@ -132,16 +132,26 @@ class _CorrectedSpectra:
 
     def predict(self, effects: Sequence[Effect]) -> Predicted:
         """Return the expected spectra at every `step`-th line with all these effects."""
-        kept = self.base.keeps_linearisation(effects)
         coarse = self.spectra.predict(effects, self.base)
-        return self.exact.times_ratio(coarse, self._unmodified if kept else self._with_distortion)
+        return self.exact.times_ratio(coarse, self._reference(effects))
 
     def predict_each(self, additions: Sequence[Effect]) -> list[Predicted]:
         """Return the expected spectra at every `step`-th line with each of some additions."""
+        base = self.base.effects
         if is_nonlinear(additions):
-            return [self.predict([*self.base.effects, addition]) for addition in additions]
+            return [self.predict([*base, addition]) for addition in additions]
         each = self.spectra.predict_each(additions, self.base)
-        return [self.exact.times_ratio(coarse, self._unmodified) for coarse in each]
+        return [
+            self.exact.times_ratio(coarse, self._reference([*base, addition]))
+            for coarse, addition in zip(each, additions, strict=True)
+        ]
+
+    def _reference(self, effects: Sequence[Effect]) -> Predicted:
+        """Return the coarse prediction without an addition, as coarse in every way as that of the effects."""
+        distortion = not self.base.keeps_linearisation(effects)
+        if self.spectra.is_narrow_in_force(effects, self.base):
+            return self._with_distortion_and_all_lines if distortion else self._with_all_lines
+        return self._with_distortion if distortion else self._unmodified
 
     @cached_property
     def _unmodified(self) -> Predicted:
@@ -152,6 +162,18 @@ class _CorrectedSpectra:
     def _with_distortion(self) -> Predicted:
         """Coarse prediction without an addition, distortion included."""
         return self._unmodified if self.base.linearised is None else self.spectra.predict(self.base.effects)
+
+    @cached_property
+    def _with_all_lines(self) -> Predicted:
+        """Coarse prediction without an addition, ratios of noise to the means of all lines."""
+        return self.spectra.with_noise_of_all_lines(self.base, distortion=False)
+
+    @cached_property
+    def _with_distortion_and_all_lines(self) -> Predicted:
+        """Coarse prediction without an addition, distortion included, ratios of noise likewise."""
+        if self.base.linearised is None:
+            return self._with_all_lines
+        return self.spectra.with_noise_of_all_lines(self.base, distortion=True)
 
 
 def coarse_prediction(predictor: "SingleTestPredictor", base: Sequence[Effect]) -> CoarsePrediction:

@@ -11,8 +11,8 @@ from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.diagnosis.residuals.settings import FREE_LEVELS
 from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.chain import Chain
-from modallab.rig.effect import Effect, is_nonlinear
-from modallab.rig.expected import coarse_spectra
+from modallab.rig.effect import Effect, Stage, is_nonlinear
+from modallab.rig.expected import coarse_spectra, narrow_in_force
 from modallab.rig.run import Run
 from modallab.rig.setup import RigSetup
 
@@ -114,6 +114,25 @@ class CoarseSpectra:
                 own = together if runs is None else base.spectra.with_runs(runs, together.of_runs(runs))
                 predicted[i] = self._predicted(own, base.noise)
         return [predicted[i] for i in range(len(additions))]
+
+    def is_narrow_in_force(self, effects: Sequence[Effect], base: CoarseBase) -> bool:
+        """Return whether additions to a base may let an armature resonate on its stinger."""
+        drives = any(effect.stage is Stage.DRIVE for effect in effects[len(base.effects) :])
+        return drives and narrow_in_force(self._chain(effects))
+
+    def with_noise_of_all_lines(self, base: CoarseBase, *, distortion: bool) -> Predicted:
+        """Return the expected spectra of a base, ratios of its noise to the means of all lines.
+
+        Parameters
+        ----------
+        distortion
+            Whether its nonlinear forces distort.
+        """
+        chain = self._chain(base.effects, None if distortion else base.linearised)
+        chain = chain if distortion else chain.without_distortion
+        predictor = self.predictor
+        spectra = coarse_spectra(chain, predictor.step, predictor.coarse_lines, noise_of_all_lines=True)
+        return self._predicted(spectra, base.noise)
 
     def _predicted(self, spectra: CrossSpectra, noise: ChannelNoise | None) -> Predicted:
         step = FREE_LEVELS.coarse_step
