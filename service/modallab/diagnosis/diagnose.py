@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
-from itertools import chain, takewhile
+from itertools import chain
 
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
@@ -265,13 +265,14 @@ def _budget_note(predictor: Predictor, explained: bool) -> tuple[str, ...]:
 
 
 def _verdict(predictor: Predictor, path: SearchPath, steps: Sequence[Step], explained: bool) -> Verdict:
-    """Return the verdict; partly explained if effects that surpass their rivals close most of the gap."""
+    """Return the verdict; partly explained if one effect that surpasses its rivals closes most of the gap.
+
+    Several together can imitate one that no catalogue holds.
+    """
     if not steps:
         return Verdict.NOTHING_MISSING if explained else Verdict.UNEXPLAINED
     if explained:
         alike = any(step.rivals_alike for step in steps)
         return Verdict.AMBIGUOUS if alike else Verdict.EXPLAINED
-    n_sure = len(list(takewhile(lambda each: not each.rivals_alike, steps)))
-    sure = path.steps[n_sure - 1].fit if n_sure else path.start
-    most = excess_ratio(predictor, path.start, sure) <= DIAGNOSIS.partial_excess
-    return Verdict.PARTLY_EXPLAINED if most else Verdict.UNEXPLAINED
+    most = excess_ratio(predictor, path.start, path.steps[0].fit) <= DIAGNOSIS.partial_excess
+    return Verdict.PARTLY_EXPLAINED if most and not steps[0].rivals_alike else Verdict.UNEXPLAINED

@@ -46,9 +46,9 @@ class DiagnosisSettings(Settings):
         derived="about a half: the assumed ones explain more than they leave",
     )
     partial_excess: float = setting(
-        0.1,
-        doc="excess of the gap over 1 with the effects, over that without, up to which they explain a part",
-        derived="nine tenths of the difference are explained",
+        0.01,
+        doc="excess of the gap over 1 with an effect, over that without, up to which it explains a part",
+        tuned="blind trial of causes outside the catalogue: others close nine tenths of the gap",
     )
     partial_probability: float = setting(
         0.7,

@@ -1,8 +1,10 @@
 from dataclasses import replace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
 
+import modallab.diagnosis.diagnose as module
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.place import Members
@@ -244,3 +246,23 @@ def test_effects_of_all_channels_that_imitate_an_unknown_one_explain_no_part() -
     assert found.unknown is not None
     assert found.unknown.cause is UnknownCause.COMMON_GAIN
     assert found.verdict is Verdict.UNEXPLAINED
+
+
+@pytest.mark.parametrize(
+    ("left", "rivals", "verdict"),
+    [
+        (0.003, (), Verdict.PARTLY_EXPLAINED),
+        (0.05, (), Verdict.UNEXPLAINED),
+        (0.003, ("gain_error",), Verdict.UNEXPLAINED),
+    ],
+)
+def test_a_part_is_explained_if_the_first_effect_alone_leaves_little(
+    monkeypatch: pytest.MonkeyPatch, left: float, rivals: tuple[str, ...], verdict: Verdict
+) -> None:
+    """A mass and a gain at one point were said to be a part of a joint there that was no suspect."""
+    first, second = Mock(fit="with the first"), Mock(fit="with both")
+    ratios = {"with the first": left, "with both": 0.0}
+    monkeypatch.setattr(module, "excess_ratio", lambda *given: ratios[given[-1]])
+    path = Mock(steps=[first, second], fit="with both")
+    steps = [Mock(rivals_alike=rivals), Mock(rivals_alike=())]
+    assert module._verdict(Mock(), path, steps, explained=False) is verdict

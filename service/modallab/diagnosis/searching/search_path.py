@@ -12,7 +12,6 @@ from modallab.diagnosis.searching.equivalent_values import resolve_equivalents
 from modallab.diagnosis.searching.neighbouring_places import neighbouring_effects
 from modallab.diagnosis.searching.round_settings import ROUND
 from modallab.diagnosis.searching.settings import ACCEPTANCE, SEARCH
-from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.rig.effect import Effect
 
 
@@ -162,7 +161,7 @@ def _closes_most(predictor: Predictor, path: SearchPath) -> bool:
     """Return whether the effects leave little of the gap, or random error alone."""
     if is_noise_only(predictor, path.fit):
         return True
-    return excess_ratio(predictor, path.start, path.fit) <= DIAGNOSIS.partial_excess
+    return excess_ratio(predictor, path.start, path.fit) <= SEARCH.most_excess
 
 
 def _ordered(predictor: Predictor, path: SearchPath) -> SearchPath:

@@ -81,6 +81,11 @@ class SearchSettings(Settings):
     max_branches: int = setting(
         3, unit="kinds", doc="first effects, of different kinds, that a second one is sought for", tuned=TESTS
     )
+    most_excess: float = setting(
+        0.1,
+        doc="excess of the gap over 1 with the effects, over that without, up to which they close most of it",
+        derived="nine tenths of the difference are explained",
+    )
     closing_ratio: float = setting(
         0.5,
         doc="excess of the gap after an effect over that before, above which no third effect is sought",
