@@ -31,8 +31,20 @@ def factorised(matrix: csc_array) -> SuperLU:
 
     Pivots off the diagonal would undo the fill-reducing ordering, at four times the work for a plate;
     a definite matrix needs none.
+
+    Raises
+    ------
+    MemoryError
+        If the factors do not fit into the memory that the process may have.
     """
-    return splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    try:
+        return splu(
+            matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+        )
+    except RuntimeError as error:
+        if "MALLOC" in str(error):  # SuperLU's way to say that there is no more memory
+            raise MemoryError(str(error)) from error
+        raise
 
 
 def count_below(mass: csc_array, stiffness: csc_array, square: float) -> int | None:

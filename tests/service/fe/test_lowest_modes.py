@@ -7,6 +7,7 @@ from scipy.sparse import block_diag, csc_array
 
 from modallab.core.arrays import FloatArray
 from modallab.core.errors import StructureError
+from modallab.fe import lowest_modes
 from modallab.fe.assembly import assemble
 from modallab.fe.lowest_modes import LowestModes, count_below, lowest_below, lowest_first
 from modallab.fe.modes import rigid_body_modes
@@ -138,3 +139,20 @@ def test_modes_that_rounding_hides_are_refused() -> None:
     foil = square_plate(1e-5)
     with pytest.raises(StructureError, match="rounding hides"):
         lowest_first(foil.mass, foil.stiffness, bodies_of(foil), 4)
+
+
+@pytest.mark.parametrize(
+    ("message", "expected"),
+    [("SUPERLU_MALLOC fails for buf in intCalloc()", MemoryError), ("Factor is singular", RuntimeError)],
+)
+def test_a_factorisation_without_memory_says_so(
+    monkeypatch: pytest.MonkeyPatch, message: str, expected: type[Exception]
+) -> None:
+    """The modes of a large plate were answered by a 500."""
+
+    def failing(*_: object, **__: object) -> None:
+        raise RuntimeError(message)
+
+    monkeypatch.setattr(lowest_modes, "splu", failing)
+    with pytest.raises(expected):
+        lowest_modes.factorised(csc_array(np.eye(2)))
