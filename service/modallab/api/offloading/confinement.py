@@ -14,7 +14,7 @@ import psutil
 
 from modallab.api.offloading.settings import OFFLOADING
 
-OUT_OF_TIME = "time"  # file that says why the process ended
+OUT_OF_TIME, OUT_OF_MEMORY = "time", "memory"  # files that say why the process ended
 
 
 @contextmanager
@@ -35,8 +35,9 @@ def confined(folder: Path) -> Iterator[None]:
         tempfile.tempdir = former
 
 
-def die() -> NoReturn:
-    """End this process; the service then says that the request took too much."""
+def end_process(folder: Path, reason: str) -> NoReturn:
+    """End this process, the reason left in its folder; the service then refuses the request for it."""
+    (folder / reason).touch()
     os._exit(1)
 
 
@@ -44,10 +45,9 @@ def _watch(ended: threading.Event, folder: Path) -> None:
     process, begin = psutil.Process(), time.process_time()
     while not ended.wait(OFFLOADING.watch_interval):
         if process.memory_info().rss > OFFLOADING.resident_bytes:
-            die()
+            end_process(folder, OUT_OF_MEMORY)
         if time.process_time() - begin > OFFLOADING.processor_seconds:
-            (folder / OUT_OF_TIME).touch()
-            die()
+            end_process(folder, OUT_OF_TIME)
 
 
 @contextmanager

@@ -13,7 +13,7 @@ from anyio import BrokenWorkerProcess, to_thread
 from starlette.requests import Request
 from starlette.responses import FileResponse, Response
 
-from modallab.api.offloading.confinement import OUT_OF_TIME
+from modallab.api.offloading.confinement import OUT_OF_MEMORY, OUT_OF_TIME
 from modallab.api.offloading.forwarding import Answered, Forwarded, forwarded, remove, reply_of
 from modallab.api.offloading.settings import OFFLOADING
 from modallab.api.offloading.weight import is_form
@@ -102,7 +102,10 @@ class RequestProcesses:
             self._free.release()
 
     async def _answered(self, request: Request, question: Forwarded) -> Answered:
-        """Return what a process answers; what only reads is asked of a second one if the first was killed."""
+        """Return what a process answers; what only reads is asked of a second one if the first was killed.
+
+        One that ended itself beyond a limit would do so again.
+        """
         if request.method == "GET":
             with suppress(BrokenWorkerProcess):
                 return await self._answered_once(request, question)
@@ -121,8 +124,9 @@ class RequestProcesses:
         except TimeoutError:  # without as much processor time: the machine is busy
             raise _busy(self._most) from None
         except BrokenWorkerProcess:
-            if (question.folder / OUT_OF_TIME).exists():
-                raise self._too_costly(request, "time") from None
+            for reason in (OUT_OF_TIME, OUT_OF_MEMORY):
+                if (question.folder / reason).exists():
+                    raise self._too_costly(request, reason) from None
             raise
         except MemoryError:
             raise self._too_costly(request, "memory") from None

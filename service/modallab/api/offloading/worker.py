@@ -11,10 +11,12 @@ import structlog
 from starlette.types import ASGIApp, Message
 
 from modallab.api.allocator import return_memory_at_once
-from modallab.api.offloading.confinement import confined, die
+from modallab.api.offloading.confinement import OUT_OF_MEMORY, confined, end_process
 from modallab.api.offloading.forwarding import BODY, REPLY, Answered, Forwarded
 from modallab.api.offloading.settings import OFFLOADING
 from modallab.api.settings import ServiceSettings
+
+FOLDER = "modallab.folder"  # key of the scope: where the files of a request are
 
 
 @lru_cache(maxsize=2)
@@ -27,7 +29,9 @@ def _application(settings: ServiceSettings) -> ASGIApp:
     logs.configure(os.fdopen(2, "w", buffering=1, closefd=False))
     return_memory_at_once()
     app = create_app(settings)
-    app.add_exception_handler(MemoryError, lambda _request, _error: die())
+    app.add_exception_handler(
+        MemoryError, lambda request, _error: end_process(request.scope[FOLDER], OUT_OF_MEMORY)
+    )
     return app
 
 
@@ -63,7 +67,7 @@ async def _answered(app: ASGIApp, request: Forwarded) -> Answered:
             reply.write(message.get("body", b""))
 
         try:
-            await app(dict(request.scope), receive, send)
+            await app({**request.scope, FOLDER: folder}, receive, send)
         except Exception:
             # Starlette answers a fault first and raises it then, for the log of a server.
             if not started:
