@@ -147,33 +147,18 @@ class _CorrectedSpectra:
         ]
 
     def _reference(self, effects: Sequence[Effect]) -> Predicted:
-        """Return the coarse prediction without an addition, as coarse in every way as that of the effects."""
+        """Return the coarse prediction of the base alone, as coarse in every way as that of the effects."""
         distortion = not self.base.keeps_linearisation(effects)
-        if self.spectra.is_narrow_in_force(effects, self.base):
-            return self._with_distortion_and_all_lines if distortion else self._with_all_lines
-        return self._with_distortion if distortion else self._unmodified
+        all_lines = self.spectra.is_narrow_in_force(effects, self.base)
+        if (distortion, all_lines) not in self._references:
+            self._references[distortion, all_lines] = self.spectra.predict_base(
+                self.base, distortion=distortion, noise_of_all_lines=all_lines
+            )
+        return self._references[distortion, all_lines]
 
     @cached_property
-    def _unmodified(self) -> Predicted:
-        """Coarse prediction without an addition."""
-        return self.spectra.predict(self.base.effects, self.base)
-
-    @cached_property
-    def _with_distortion(self) -> Predicted:
-        """Coarse prediction without an addition, distortion included."""
-        return self._unmodified if self.base.linearised is None else self.spectra.predict(self.base.effects)
-
-    @cached_property
-    def _with_all_lines(self) -> Predicted:
-        """Coarse prediction without an addition, ratios of noise to the means of all lines."""
-        return self.spectra.with_noise_of_all_lines(self.base, distortion=False)
-
-    @cached_property
-    def _with_distortion_and_all_lines(self) -> Predicted:
-        """Coarse prediction without an addition, distortion included, ratios of noise likewise."""
-        if self.base.linearised is None:
-            return self._with_all_lines
-        return self.spectra.with_noise_of_all_lines(self.base, distortion=True)
+    def _references(self) -> dict[tuple[bool, bool], Predicted]:
+        return {}
 
 
 def coarse_prediction(predictor: "SingleTestPredictor", base: Sequence[Effect]) -> CoarsePrediction:

@@ -120,19 +120,23 @@ class CoarseSpectra:
         drives = any(effect.stage is Stage.DRIVE for effect in effects[len(base.effects) :])
         return drives and narrow_in_force(self._chain(effects))
 
-    def with_noise_of_all_lines(self, base: CoarseBase, *, distortion: bool) -> Predicted:
-        """Return the expected spectra of a base, ratios of its noise to the means of all lines.
+    def predict_base(self, base: CoarseBase, *, distortion: bool, noise_of_all_lines: bool) -> Predicted:
+        """Return the expected spectra of a base without an addition.
 
         Parameters
         ----------
         distortion
             Whether its nonlinear forces distort.
+        noise_of_all_lines
+            As in `coarse_spectra`.
         """
-        chain = self._chain(base.effects, None if distortion else base.linearised)
+        distortion = distortion and base.linearised is not None
+        if not (distortion or noise_of_all_lines):
+            return self._predicted(base.spectra, base.noise)
+        chain = self._chain(base.effects)
         chain = chain if distortion else chain.without_distortion
-        predictor = self.predictor
-        spectra = coarse_spectra(chain, predictor.step, predictor.coarse_lines, noise_of_all_lines=True)
-        return self._predicted(spectra, base.noise)
+        spectra = self._of_chain(chain, noise_of_all_lines=noise_of_all_lines)
+        return self._predicted(spectra, None if distortion else base.noise)
 
     def _predicted(self, spectra: CrossSpectra, noise: ChannelNoise | None) -> Predicted:
         step = FREE_LEVELS.coarse_step
@@ -164,5 +168,6 @@ class CoarseSpectra:
             effects, same_in_all_runs=True, linearised=linearised, share=share, runs=runs
         )
 
-    def _of_chain(self, chain: Chain) -> CrossSpectra:
-        return coarse_spectra(chain, self.predictor.step, self.predictor.coarse_lines)
+    def _of_chain(self, chain: Chain, *, noise_of_all_lines: bool = False) -> CrossSpectra:
+        step, lines = self.predictor.step, self.predictor.coarse_lines
+        return coarse_spectra(chain, step, lines, noise_of_all_lines=noise_of_all_lines)
