@@ -51,7 +51,7 @@ class WorkerProcesses:
         BrokenWorkerProcess
             If the process dies under the work.
         """
-        task = _tracked(self._in_process(lane, partial(work, *arguments)), self._working)
+        task = tracked(self._in_process(lane, partial(work, *arguments)), self._working)
         try:
             return await asyncio.shield(task)
         except asyncio.CancelledError:
@@ -69,7 +69,7 @@ class WorkerProcesses:
                 # It then imports what the work needs: garbage is not collected meanwhile.
                 start = to_process.run_sync(gc.disable, limiter=self._unlimited)
                 try:
-                    await asyncio.shield(_tracked(start, self._starting))
+                    await asyncio.shield(tracked(start, self._starting))
                 except ProcessLookupError as error:  # anyio kills what is dead already
                     raise BrokenWorkerProcess("a worker process died at its start") from error
                 call = partial(_at_priority, lane, work)
@@ -110,7 +110,7 @@ def _end_if_long() -> None:
         os._exit(0)
 
 
-def _tracked(coroutine: Coroutine[Any, Any, Outcome], tasks: set[asyncio.Task[Any]]) -> asyncio.Task[Outcome]:
+def tracked(coroutine: Coroutine[Any, Any, Outcome], tasks: set[asyncio.Task[Any]]) -> asyncio.Task[Outcome]:
     """Return a task for a coroutine, in a set of tasks until it ends."""
     task = asyncio.create_task(coroutine)
     tasks.add(task)

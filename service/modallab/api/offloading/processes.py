@@ -3,9 +3,10 @@
 import asyncio
 import os
 import tempfile
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager, suppress
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager, contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 import anyio
 import structlog
@@ -20,7 +21,7 @@ from modallab.api.offloading.weight import is_form
 from modallab.api.offloading.worker import answer, prepare
 from modallab.api.settings import ServiceSettings
 from modallab.core.errors import InvalidInputError, ModalLabError
-from modallab.jobs.processes import WorkerProcesses
+from modallab.jobs.processes import WorkerProcesses, tracked
 
 _log = structlog.get_logger()
 
@@ -46,6 +47,7 @@ class RequestProcesses:
         self._free = asyncio.Semaphore(self._most)
         self._processes = WorkerProcesses(self._most)
         self._under_way: dict[object, asyncio.Future[Response]] = {}
+        self._starting: set[asyncio.Task[Any]] = set()
 
     async def answer(self, request: Request) -> Response:
         """Return the reply to a request, from a worker process; the same request at once is answered once.
@@ -81,8 +83,9 @@ class RequestProcesses:
         folder = Path(await to_thread.run_sync(tempfile.mkdtemp, None, "modallab-"))
         try:
             question = await forwarded(request, folder)
-            async with self._process():
-                answered = await self._answered(request, question)
+            with _deadline(request, self._most):
+                async with self._process():
+                    answered = await self._answered(request, question)
             return await to_thread.run_sync(reply_of, answered, folder)
         except BaseException:
             remove(folder)
@@ -115,14 +118,9 @@ class RequestProcesses:
             raise self._too_costly(request, "memory") from None
 
     async def _answered_once(self, request: Request, question: Forwarded) -> Answered:
-        seconds = OFFLOADING.file_seconds if is_form(request) else OFFLOADING.seconds
         try:
-            with anyio.fail_after(OFFLOADING.start_seconds):
-                await self._processes.run(prepare, self._settings)
-            with anyio.fail_after(seconds):
-                return await self._processes.run(answer, self._settings, question)
-        except TimeoutError:  # without as much processor time: the machine is busy
-            raise _busy(self._most) from None
+            await self._prepared()
+            return await self._processes.run(answer, self._settings, question)
         except BrokenWorkerProcess:
             for reason in (OUT_OF_TIME, OUT_OF_MEMORY):
                 if (question.folder / reason).exists():
@@ -130,6 +128,10 @@ class RequestProcesses:
             raise
         except MemoryError:
             raise self._too_costly(request, "memory") from None
+
+    async def _prepared(self) -> None:
+        """Wait for a process that has started; a start goes on after a request that cannot wait."""
+        await asyncio.shield(tracked(self._processes.run(prepare, self._settings), self._starting))
 
     @staticmethod
     def _too_costly(request: Request, what: str) -> "TooCostlyError":
@@ -145,6 +147,16 @@ def _key(request: Request) -> object:
     """Return what tells a request from others: whoever may see the reply of one may see that of its equal."""
     headers = sorted(pair for pair in request.scope["headers"] if pair[0] != b"x-request-id")
     return request.url.path, request.url.query, tuple(headers)
+
+
+@contextmanager
+def _deadline(request: Request, most: int) -> Iterator[None]:
+    """Give a request so much time that all are answered in time; without an answer the machine is busy."""
+    try:
+        with anyio.fail_after(OFFLOADING.file_seconds if is_form(request) else OFFLOADING.seconds):
+            yield
+    except TimeoutError:
+        raise _busy(most) from None
 
 
 def _busy(most: int) -> BusyError:

@@ -48,13 +48,10 @@ class OffloadingSettings(Settings):
         doc="processor time of a request, that of the reader of its file not counted",
         derived="beside `seconds`, which pass on a busy machine, too: those are no fault of the request",
     )
-    start_seconds: float = setting(
-        30.0, unit="s", doc="time for the start of a process", derived="2 s, more on a busy machine"
-    )
     seconds: float = setting(
-        8.0,
+        9.0,
         unit="s",
-        doc="time until the answer of a request without a file",
+        doc="time until the answer of a request without a file, the start of a process included",
         derived="the caller waits, and all are answered within 10 s",
     )
     file_seconds: float = setting(
@@ -67,7 +64,7 @@ class OffloadingSettings(Settings):
         2.0,
         unit="s",
         doc="time that a request waits for a free process before it is refused",
-        derived="with `seconds`, all are answered within 10 s",
+        derived="whom another process may still answer in time hears of it early",
     )
     chunk_bytes: int = setting(
         1_000_000, unit="bytes", doc="bytes of a body copied at a time", derived="memory"

@@ -17,7 +17,7 @@ from modallab.api.settings import ServiceSettings
 from modallab.jobs.inline import InlineRunner
 
 # Other tests fill the cores: on such a machine a process took 17 s to start, and 8 s to answer.
-PATIENT = replace(OFFLOADING, start_seconds=300.0, seconds=300.0, waiting_seconds=300.0)
+PATIENT = replace(OFFLOADING, seconds=300.0, waiting_seconds=300.0)
 
 
 @pytest.fixture(scope="module")
