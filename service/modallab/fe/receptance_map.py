@@ -7,7 +7,8 @@ from functools import cached_property
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
-from modallab.fe.receptance import condense_if_cheaper, split_common
+from modallab.fe.common_attachments import split_common
+from modallab.fe.condensation import condense_if_cheaper
 from modallab.fe.settings import CACHE
 from modallab.fe.system import DynamicSystem
 

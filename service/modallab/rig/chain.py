@@ -8,8 +8,9 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
-from modallab.fe.receptance import attached, attached_variants
+from modallab.fe.receptance import attached
 from modallab.fe.system import DynamicSystem
+from modallab.fe.variants import attached_variants
 from modallab.rig.cancellation import with_mass_cancelled
 from modallab.rig.channel import Channel
 from modallab.rig.channel_response import CACHED_RECEPTANCE, CachedReceptance, ChannelResponse

@@ -8,7 +8,7 @@ import numpy as np
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import InvalidInputError
 from modallab.fe.attachment import Attachment
-from modallab.fe.receptance import attached_variants
+from modallab.fe.variants import attached_variants
 from modallab.rig.analyser import Analyser
 from modallab.rig.cell_averages import CellAverages, mean_about
 from modallab.rig.drive import reaction, transmission

@@ -17,8 +17,9 @@ from modallab.diagnosis.searching.closed_form import (
     transfer_ratios,
 )
 from modallab.fe.attachment import Attachment
-from modallab.fe.receptance import attached, solve_small
+from modallab.fe.receptance import attached
 from modallab.fe.receptance_map import ReceptanceMap
+from modallab.fe.small_systems import solve_small
 from modallab.rig.chain import forces_on_structure
 from modallab.rig.effect import Effect
 from modallab.rig.run import Run
