@@ -191,7 +191,8 @@ def is_significant(predictor: Predictor, previous: Fit, candidate: Fit) -> bool:
     if gain < ACCEPTANCE.very_strong_bic or parts_with_wide_errors(predictor, candidate):
         return False
     # The size of distortion in bursts may be known to a factor only: its BIC decides alone.
-    if not effect.intermittent and not is_nonzero(effect, candidate.errors[-1]):
+    by_bic_alone = effect.intermittent or _relieves_tolerance(predictor, previous, candidate)
+    if not by_bic_alone and not is_nonzero(effect, candidate.errors[-1]):
         return False
     mask = observed.held_out_mask
     channels = _untested_channels(observed, effect)
@@ -229,6 +230,16 @@ def is_nonzero(effect: Effect, errors: Mapping[str, float]) -> bool:
         (effect.parameters[name] - s.absent, errors[name]) for name, s in specs if s.absent is not None
     )
     return all(abs(amount) >= ACCEPTANCE.min_significance * error for amount, error in amounts)
+
+
+def _relieves_tolerance(predictor: Predictor, previous: Fit, candidate: Fit) -> bool:
+    """Return whether a nuisance parameter that has reached its limit leaves it where an effect is added.
+
+    Effect and tolerance then share a deviation: the standard error of either holds that of the other.
+    """
+    reached = (1 - ACCEPTANCE.limit_accuracy) * predictor.nuisances.limits
+    before, after = (np.abs(each.nuisance_position) >= reached for each in (previous, candidate))
+    return bool((before & ~after).any())
 
 
 def is_undetermined(candidate: Fit) -> bool:

@@ -41,6 +41,11 @@ class AcceptanceSettings(Settings):
         doc="distance of an amount from its neutral value above which it is nonzero",
         derived="2 sigma; beside the BIC, which alone decides significance",
     )
+    limit_accuracy: float = setting(
+        1e-3,
+        doc="distance of a nuisance parameter from its limit, over the limit, at which it has reached it",
+        derived="fits end on a limit to rounding",
+    )
     undetermined: float = setting(
         0.25,
         doc="standard error over the width of the bounds above which a parameter is undetermined",

@@ -11,6 +11,7 @@ from modallab.core.place import Channels
 from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.fitting.covariance import ParameterErrors
 from modallab.diagnosis.fitting.fit import Fit, fit
+from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.frf_selection import FrfSelection
 from modallab.diagnosis.residuals.observe import observe
@@ -23,6 +24,7 @@ from modallab.diagnosis.searching.acceptance import (
     model_probabilities,
     ranked_by_bic,
 )
+from modallab.effects.accelerometer_mass import AccelerometerMass
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.gain_error import GainError
 from modallab.effects.ground_spring import GroundSpring
@@ -123,6 +125,23 @@ def test_what_is_missing_smoothly_is_not_taken_for_leakage() -> None:
     assert (
         diagnose(model(), draw_measurement(leaky, seed=3), suspects=kinds).verdict is Verdict.NOTHING_MISSING
     )
+
+
+@pytest.mark.parametrize(("deviations", "missing"), [(1.5, False), (3.5, True)])
+def test_an_effect_is_significant_beyond_the_limit_of_its_tolerance(
+    deviations: float, *, missing: bool
+) -> None:
+    # Three standard deviations of the mass are tolerated, so that the effect is half of one or so, with an
+    # error of one: the fit without it is far off all the same.
+    test = draw_measurement(rig(noise=1e-6), [AccelerometerMass(mass=0.002 * deviations)], seed=3)
+    found = diagnose(
+        model(),
+        test,
+        suspects=["accelerometer_mass", "extra_mass"],
+        tolerances=Tolerances(accelerometer_mass=0.1),
+    )
+    assert [step.effect.kind for step in found.steps] == ["accelerometer_mass"] * missing
+    assert found.verdict is (Verdict.EXPLAINED if missing else Verdict.NOTHING_MISSING)
 
 
 @pytest.fixture(scope="module")
