@@ -48,6 +48,7 @@ def search(
     Forward selection, all accepted effects fitted together at every step. The first effect of a pair need
     not be the best single one: unless that one and its best second effect are a full explanation, the best
     effects of other kinds are followed by a second effect too, and the search continues from the best pair.
+    Where the best one closes little, which the larger effect of a pair does not, the others are left out.
 
     Parameters
     ----------
@@ -112,7 +113,7 @@ def _branches(
         paths.append(_extended(predictor, single, suspects, min(SEARCH.pair, max_effects), stage, explains))
         if max_effects == 1 or _is_complete(predictor, paths[-1], explains):
             break
-        if predictor.budget.exhausted:
+        if predictor.budget.exhausted or _closes_little(predictor, paths[-1].steps[0]):
             break
     return paths
 
@@ -175,6 +176,11 @@ def _is_complete(predictor: Predictor, path: SearchPath, explains: ExplanationCr
 
 def _closes_much(predictor: Predictor, step: AcceptedEffect) -> bool:
     return excess_ratio(predictor, step.previous_fit, step.fit) < SEARCH.closing_ratio
+
+
+def _closes_little(predictor: Predictor, step: AcceptedEffect) -> bool:
+    """Return whether an effect closes so little that those after it are no first effects of a pair either."""
+    return excess_ratio(predictor, step.previous_fit, step.fit) > SEARCH.little_closed
 
 
 def is_prediction_error(predictor: Predictor, path: SearchPath) -> bool:

@@ -96,6 +96,13 @@ class SearchSettings(Settings):
         doc="excess of the gap after an effect over that before, above which no third effect is sought",
         tuned="blind trial: effects outside the catalogue",
     )
+    little_closed: float = setting(
+        0.8,
+        doc="excess of the gap after the best first effect over that before, above which no other is "
+        "followed",
+        tuned="blind trial: the larger effect of a pair leaves up to 0.55, what imitates one that no "
+        "catalogue holds 0.65 to 1",
+    )
     undetermined_ratio: float = setting(
         0.25,
         doc="excess of the gap after an effect over that before, below which it is named though others equal "

@@ -1,5 +1,7 @@
 """Which effects are followed up, and which are accepted."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -88,6 +90,26 @@ def test_a_search_ends_at_a_pair_that_later_tolerances_explain(
     path = search(predictor, start, Suspects([]), max_effects=4, progress=silent, explains=lambda _: True)
     assert len(path.steps) == 2
     assert asked == [0, 1]
+
+
+@pytest.mark.parametrize(("left", "followed"), [(0.5, 2), (0.9, 1)])
+def test_where_the_best_first_effect_closes_little_no_other_is_followed(
+    predictor: Predictor, found: list[Fit], monkeypatch: pytest.MonkeyPatch, left: float, followed: int
+) -> None:
+    asked: list[int] = []
+
+    def trials(_predictor: Predictor, base: Fit, *_: object, **__: object) -> list[Fit]:
+        asked.append(len(base.effects))
+        return [] if base.effects else found
+
+    monkeypatch.setattr(module, "fit_candidates", trials)
+    monkeypatch.setattr(module, "is_noise_only", lambda *_: False)
+    monkeypatch.setattr(module, "is_significant", lambda *_: True)
+    monkeypatch.setattr(module, "excess_ratio", lambda *_: left)
+    # fits of one cost, so that neither is left out for its own
+    first = [replace(one, chi_square=found[0].chi_square) for one in found]
+    search(predictor, fit(predictor, ()), Suspects([]), max_effects=4, progress=silent, first_round=first)
+    assert asked == [1] * followed
 
 
 def test_noise_beside_something_larger_is_no_leakage() -> None:
