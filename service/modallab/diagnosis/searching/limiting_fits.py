@@ -2,13 +2,16 @@
 
 from collections.abc import Collection, Sequence
 from contextlib import suppress
+from dataclasses import replace
 
+from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import is_undetermined
 from modallab.diagnosis.searching.round_settings import ROUND
 from modallab.diagnosis.searching.search_path import kind_and_place
+from modallab.rig.effect import Effect
 
 
 def with_limiting_effects(
@@ -31,7 +34,7 @@ def with_limiting_effects(
     if not fits:
         return []
     best = min(fits, key=Fit.bic_between_kinds)
-    limits = best.effects[-1].limiting_effects()
+    limits = [_at_own_place(effect, predictor) for effect in best.effects[-1].limiting_effects()]
     predictor = predictor.with_nuisances_at(best.nuisance_position)
     result = list(fits)
     for effect in limits:
@@ -50,6 +53,15 @@ def with_limiting_effects(
     if any(f.chi_square < max_chi_square for f in fits_of_limits) and is_undetermined(best):
         result.remove(best)
     return result
+
+
+def _at_own_place(effect: Effect, predictor: Predictor) -> Effect:
+    """Return an effect at the place of its kind at the same node: a mass moves in every direction."""
+    places = type(effect).places(predictor.system, predictor.setup)
+    if effect.at in places or not isinstance(effect.at, Dof):
+        return effect
+    at_node = [at for at in places if isinstance(at, Dof) and at.node == effect.at.node]
+    return replace(effect, at=at_node[0]) if at_node else effect
 
 
 def with_reduced_model(
