@@ -16,7 +16,7 @@ from modallab.diagnosis.searching.imitation import is_imitated
 from modallab.diagnosis.searching.limiting_fits import with_limiting_effects, with_reduced_model
 from modallab.diagnosis.searching.narrower_errors import with_narrower_errors
 from modallab.diagnosis.searching.neighbouring_places import neighbouring_effects, similar_effects
-from modallab.diagnosis.searching.rival_fits import fitted_from_explanation
+from modallab.diagnosis.searching.restarted_fits import fitted_from_explanation, with_best_from_base
 from modallab.diagnosis.searching.round_settings import ROUND
 from modallab.diagnosis.searching.scan_settings import LOSS
 from modallab.diagnosis.searching.scanning import StartingPoint, scan
@@ -71,7 +71,6 @@ def fit_candidates(
         nonlinear = []
     candidates.examine(nonlinear, part(progress, share, 1.0))
     candidates.fit_rivals_from_explanation()
-    candidates.fit_best_from_base()
     candidates.fit_limits_of_best()
     return ranked_by_bic(candidates.fits)
 
@@ -281,25 +280,10 @@ class _Round:
             best = min(self.fits, key=Fit.bic_between_kinds)
             self.fits = fitted_from_explanation(self._predictor, self._accepted, self.fits, best)
 
-    def fit_best_from_base(self) -> None:
-        """Fit the best effect from the tolerances without it too, while none comes near the data.
-
-        Far from the data the cost has many minima, and which start leads to the lowest is not known.
-        """
-        if self._base.is_near_data or any(found.is_near_data for found in self.fits):
-            return
-        best = min(self.fits, key=Fit.bic_between_kinds, default=None)
-        if best is None or not len(self._predictor.nuisances) or self._predictor.budget.exhausted:
-            return
-        predictor = self._predictor.with_nuisances_at(self._base.nuisance_position)
-        with suppress(InvalidInputError):
-            other = fit(predictor, (*self._accepted, best.effects[-1]), approach=True)
-            if other.chi_square < best.chi_square:
-                self.fits[self.fits.index(best)] = other
-
     def fit_limits_of_best(self) -> None:
         """Fit what the best effect tends to and its reduced model, which may not have been among the best."""
         predictor, base, suspected = self._predictor, self._base, self._suspected
+        self.fits = with_best_from_base(predictor, base, self.fits)
         self.fits = with_limiting_effects(predictor, base, self.fits, suspected)
         unfitted = suspected - self._fitted - {kind_and_place(found.effects[-1]) for found in self.fits}
         self.fits = with_reduced_model(predictor, base, self.fits, unfitted)

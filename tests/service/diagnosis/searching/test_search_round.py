@@ -382,31 +382,3 @@ def test_beside_a_known_explanation_its_rivals_alone_are_fitted(monkeypatch: pyt
     assert found[0] is known
     assert str(hidden.at) not in begun
     assert len(begun) == ROUND.min_fits - 1
-
-
-def test_far_from_the_data_the_best_effect_is_fitted_from_the_tolerances_without_it_too(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Beside a model of a student's errors its fit from elsewhere ended in a gap of 8.7, this one in 1.0."""
-    hidden = ExtraMass(Dof(6, "Y"), 0.1)
-    predictor, _ = predicting(draw_measurement(rig(), [hidden]))
-    nuisances = nuisance_parameters(Tolerances(modulus=0.01), predictor.system, predictor.setup)
-    predictor = predictor.with_nuisances(nuisances)
-    base = fit(predictor, ())
-    assert not base.is_near_data
-    assert base.starting_position != pytest.approx(base.nuisance_position)
-    starts: list[float] = []
-
-    def fit_badly_elsewhere(given: Predictor, effects: Sequence[Effect], **options: Any) -> Fit:
-        found = fit(given, effects, **options)
-        if not options.get("approach"):
-            return replace(found, chi_square=100.0 * base.n_data)
-        starts.append(float(given.position[0]))
-        return found
-
-    monkeypatch.setattr(module, "fit", fit_badly_elsewhere)
-    monkeypatch.setattr(module, "with_limiting_effects", lambda *given: list(given[2]))
-    monkeypatch.setattr(module._Round, "_fit_from_declared", lambda _: None)
-    (best,) = fit_candidates(predictor, base, Suspects([ExtraMass(hidden.at)]), progress=silent)
-    assert starts == [base.nuisance_position[0]]
-    assert best.is_near_data

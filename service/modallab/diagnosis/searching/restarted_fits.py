@@ -1,4 +1,4 @@
-"""Fits of rivals from the tolerances of an explanation."""
+"""Fits begun anew from other tolerances than those that a round starts at."""
 
 from collections.abc import Sequence
 from contextlib import suppress
@@ -48,3 +48,29 @@ def fitted_from_explanation(
         return found
 
     return [renewed(found) for found in fits]
+
+
+def with_best_from_base(predictor: Predictor, base: Fit, fits: Sequence[Fit]) -> list[Fit]:
+    """Return the fits of a round, the best one begun anew at the tolerances without it if that is better.
+
+    While none comes near the data: far from them the cost has many minima, and which start leads to the
+    lowest is not known.
+
+    Parameters
+    ----------
+    base
+        The fit of the accepted effects.
+    fits
+        Fits of the accepted effects with one suspect added.
+    """
+    if not fits or not len(predictor.nuisances) or predictor.budget.exhausted:
+        return list(fits)
+    if base.is_near_data or any(found.is_near_data for found in fits):
+        return list(fits)
+    best = min(fits, key=Fit.bic_between_kinds)
+    predictor = predictor.with_nuisances_at(base.nuisance_position)
+    with suppress(InvalidInputError):
+        other = fit(predictor, best.effects, approach=True)
+        if other.chi_square < best.chi_square:
+            return [other if found is best else found for found in fits]
+    return list(fits)
