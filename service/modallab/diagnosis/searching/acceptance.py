@@ -191,7 +191,7 @@ def is_significant(predictor: Predictor, previous: Fit, candidate: Fit) -> bool:
     if gain < ACCEPTANCE.very_strong_bic or parts_with_wide_errors(predictor, candidate):
         return False
     # The size of distortion in bursts may be known to a factor only: its BIC decides alone.
-    by_bic_alone = effect.intermittent or _relieves_tolerance(predictor, previous, candidate)
+    by_bic_alone = effect.intermittent or _releases_active_limit(predictor, previous, candidate)
     if not by_bic_alone and not is_nonzero(effect, candidate.errors[-1]):
         return False
     mask = observed.held_out_mask
@@ -232,8 +232,8 @@ def is_nonzero(effect: Effect, errors: Mapping[str, float]) -> bool:
     return all(abs(amount) >= ACCEPTANCE.min_significance * error for amount, error in amounts)
 
 
-def _relieves_tolerance(predictor: Predictor, previous: Fit, candidate: Fit) -> bool:
-    """Return whether a nuisance parameter that has reached its limit leaves it where an effect is added.
+def _releases_active_limit(predictor: Predictor, previous: Fit, candidate: Fit) -> bool:
+    """Return whether the added effect moves a nuisance parameter off its limit, an active constraint.
 
     Effect and tolerance then share a deviation: the standard error of either holds that of the other.
     """

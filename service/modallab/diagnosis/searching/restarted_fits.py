@@ -1,4 +1,4 @@
-"""Fits begun anew from other tolerances than those that a round starts at."""
+"""Fits restarted from other tolerances than those of a round."""
 
 from collections.abc import Sequence
 from contextlib import suppress
@@ -51,7 +51,7 @@ def fitted_from_explanation(
 
 
 def with_best_from_base(predictor: Predictor, base: Fit, fits: Sequence[Fit]) -> list[Fit]:
-    """Return the fits of a round, the best one begun anew at the tolerances without it if that is better.
+    """Return the fits of a round, the best one restarted from the tolerances of the base, if better.
 
     While none comes near the data: far from them the cost has many minima, and which start leads to the
     lowest is not known.

@@ -180,7 +180,7 @@ def _closes_much(predictor: Predictor, step: AcceptedEffect) -> bool:
 
 def _closes_little(predictor: Predictor, step: AcceptedEffect) -> bool:
     """Return whether an effect closes so little that those after it are no first effects of a pair either."""
-    return excess_ratio(predictor, step.previous_fit, step.fit) > SEARCH.little_closed
+    return excess_ratio(predictor, step.previous_fit, step.fit) > SEARCH.branching_ratio
 
 
 def is_prediction_error(predictor: Predictor, path: SearchPath) -> bool:

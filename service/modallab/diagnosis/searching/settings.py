@@ -96,7 +96,7 @@ class SearchSettings(Settings):
         doc="excess of the gap after an effect over that before, above which no third effect is sought",
         tuned="blind trial: effects outside the catalogue",
     )
-    little_closed: float = setting(
+    branching_ratio: float = setting(
         0.8,
         doc="excess of the gap after the best first effect over that before, above which no other is "
         "followed",

@@ -1,4 +1,4 @@
-"""Fits begun anew from other tolerances."""
+"""Fits restarted from other tolerances."""
 
 from dataclasses import replace
 
