@@ -110,10 +110,11 @@ def estimated_error(values: ComplexArray, window: Window | None) -> tuple[Estima
 def likeliest_window(values: ComplexArray, coherence: FloatArray, averages: float, declared: str) -> str:
     """Return the name of the window under which the random errors of neighbouring lines are likeliest.
 
-    Another sum of cosines than the declared one must be likelier by several standard errors of the logarithm
-    of the likelihood ratio (Vuong 1989, Econometrica 57, 307-333). Only those stretches of lines count whose
-    scatter is the one that coherence and averages tell: where it is larger the smooth local model does not
-    hold, where it is smaller the lines have no random errors.
+    Another sum of cosines than the declared one must be likelier by more than the standard error of the
+    logarithm of the likelihood ratio (Vuong 1989, Econometrica 57, 307-333), and likelier in most stretches
+    of lines (Clarke 2007, Political Analysis 15, 347-363): one in which the smooth local model does not hold
+    can outweigh all others. Only those count whose scatter is the one that coherence and averages tell: where
+    it is larger that model does not hold, where it is smaller the lines have no random errors.
 
     Parameters
     ----------
@@ -143,7 +144,8 @@ def likeliest_window(values: ComplexArray, coherence: FloatArray, averages: floa
     gains = {name: (each - likelihoods[declared])[plausible] for name, each in likelihoods.items()}
     best_name = max(gains, key=lambda name: float(gains[name].sum()))
     gain = gains[best_name]
-    significant = gain.sum() > LINE_SCATTER.window_significance * gain.std() * np.sqrt(len(gain))
+    error = gain.std() * np.sqrt(len(gain))
+    significant = gain.sum() > LINE_SCATTER.window_significance * error and np.median(gain) > 0
     return best_name if significant else declared
 
 

@@ -134,10 +134,10 @@ class LineScatterSettings(Settings):
         derived="one stretch in some hundred, where the local model holds",
     )
     window_significance: float = setting(
-        2.5,
+        1.3,
         unit="standard errors",
         doc="log-likelihood ratio from which on another window than the declared one is taken",
-        derived="chance 6e-3 where both are equally likely; of 230 true log books none was behind",
+        derived="chance 0.1 where both are equally likely; of 31 true log books none came above -8",
     )
 
 

@@ -88,6 +88,14 @@ def test_too_few_lines_leave_the_declared_window() -> None:
     )
 
 
+@pytest.mark.parametrize(("first", "seed"), [(336, 1), (480, 2), (480, 4)])
+def test_seven_stretches_show_a_hann_window(first: int, seed: int) -> None:
+    test = measured(40, "random", "hann", seed)
+    assert test.coherence is not None
+    few = slice(first, first + 136)  # eight stretches of 17 lines, of which seven are plausible
+    assert likeliest_window(frfs(test)[few, :1], test.coherence[1:][few, :1], 40, "rectangular") == "hann"
+
+
 def test_lines_without_random_errors_leave_the_declared_window() -> None:
     """Residuals of exact lines with a coherence below 1 are those of the local model, which are smooth."""
     setup = measured(40, "periodic_random", "rectangular", 1).setup
