@@ -112,6 +112,21 @@ EIGENSOLUTION = EigensolutionSettings()
 
 
 @dataclass(frozen=True)
+class FarModesSettings(Settings):
+    """Modes far above a band, whose sum is a polynomial of the squared frequency there."""
+
+    ratio: float = setting(
+        4.0,
+        doc="eigenvalue over the largest squared frequency, above which a mode is far",
+        derived="terms of the series fall by 0.072 each",
+    )
+    terms: int = setting(13, unit="terms", doc="terms of the series", derived="0.072^13 is 1.4e-15")
+
+
+FAR_MODES = FarModesSettings()
+
+
+@dataclass(frozen=True)
 class DampedModeSettings(Settings):
     """Modes that structural or viscous damping couples."""
 

@@ -4,6 +4,8 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from modallab.diagnosis.residuals.predicted import Predicted
+from modallab.diagnosis.residuals.settings import FREE_LEVELS
+from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.effect import Effect
 from modallab.rig.expected import coarse_spectra
 
@@ -16,17 +18,25 @@ def decayed_predictions(
 ) -> Callable[[Sequence[Effect]], Predicted]:
     """Return predictions near some effects, without what rings on beyond the record.
 
-    It is nearly the same share of every line of the exact prediction, which is taken from there.
+    It is nearly the same share of every line of the exact prediction, which is taken from there. The fit of
+    free noise levels starts from those beside these effects.
 
     Parameters
     ----------
     exact
         Exact prediction of these effects.
     """
+    observed = predictor.observed
 
-    def decayed(near: Sequence[Effect]) -> Predicted:
-        spectra = coarse_spectra(predictor.chain(near), 1, predictor.lines)
-        return Predicted.of(predictor.observed.with_levels(spectra))
+    def spectra(near: Sequence[Effect]) -> CrossSpectra:
+        return coarse_spectra(predictor.chain(near), 1, predictor.lines)
 
-    approximate = decayed(effects)
-    return lambda near: exact.times_ratio(decayed(near), approximate)
+    at_effects = spectra(effects)
+    noise = observed.channel_noise(at_effects)
+
+    def predicted(spectra: CrossSpectra) -> Predicted:
+        step = FREE_LEVELS.near_step
+        return Predicted.of(observed.with_levels(spectra, start=noise, last_step=step))
+
+    approximate = predicted(at_effects)
+    return lambda near: exact.times_ratio(predicted(spectra(near)), approximate)

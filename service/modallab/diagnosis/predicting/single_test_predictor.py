@@ -26,6 +26,7 @@ from modallab.diagnosis.residuals.levels_in_use import (
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.predicted import Predicted, VarianceRatios
 from modallab.diagnosis.residuals.residual import Residual, residual
+from modallab.diagnosis.residuals.settings import FREE_LEVELS
 from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.modes import ModalBasis
 from modallab.fe.structure import Structure
@@ -268,7 +269,8 @@ class SingleTestPredictor:
             Of a chain very much like it: from the one the fit of free levels starts, the other is kept.
         """
         spectra = expected_spectra(measuring_chain, kernel, self.lines, distortion)
-        return Predicted.of(self.observed.with_levels(spectra, start=noise))
+        last_step = FREE_LEVELS.last_step if noise is None else FREE_LEVELS.near_step
+        return Predicted.of(self.observed.with_levels(spectra, start=noise, last_step=last_step))
 
     def residual(self, effects: Sequence[Effect]) -> Residual:
         """Return the whitened residual of the prediction at every line."""

@@ -238,6 +238,11 @@ class FreeLevelSettings(Settings):
         doc="largest step of a logarithm that ends a fit",
         derived="its square, the error after a Newton step, is small beside differences of 1e-4",
     )
+    near_step: float = setting(
+        0.01,
+        doc="the same of a prediction near another whose noise is known, for a derivative",
+        derived="its square is a hundredth of the change that it ends",
+    )
     coarse_step: float = setting(
         0.1,
         doc="the same of a coarse prediction",
