@@ -7,7 +7,7 @@ import numpy as np
 from scipy.linalg import eigh
 from scipy.sparse import csc_array
 
-from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.numerics import PRODUCT_ROUNDING
 from modallab.fe.attachment import unique_columns
@@ -112,13 +112,19 @@ class ModalBasis:
         rates = np.divide(imaginary, 2 * omega, out=np.zeros_like(omega), where=omega > least_omega)
         return rates if self.viscous is None else rates + np.diag(self.viscous).real / 2
 
+    def far(self, omega: FloatArray) -> BoolArray:
+        """Return which modes (m,) are summed by a series at `omega` (n_freq,) rad/s, see `FarModes`."""
+        summed = self.viscous is None and np.isrealobj(self.shapes)
+        return are_far(self.eigenvalues, omega) & summed
+
     def at(self, omega: FloatArray) -> "ModalResponse":
         """Return the modes' response at `omega` (n_freq,) rad/s, above zero.
 
         Cached by frequency axis, which all variants of a structure share, for the latest bases: each run of a
         test whose stiffness drifts has one of its own.
         """
-        if omega.size * len(self.eigenvalues) > CACHE.response_values:
+        n_near = len(self.eigenvalues) - int(self.far(omega).sum())
+        if omega.size * n_near > CACHE.response_values:
             return ModalResponse(self, omega)
         return _responses_of(self).compute(RESPONSES, omega.tobytes(), lambda: ModalResponse(self, omega))
 
@@ -131,7 +137,7 @@ class ModalResponse:
         self._cache = Cache()
         c, values = basis.viscous, basis.eigenvalues
         self._far: FarModes | None = None
-        if c is None and np.isrealobj(basis.shapes) and (far := are_far(values, omega)).any():
+        if (far := basis.far(omega)).any():
             self._near_first = np.argsort(far, kind="stable")
             self._far = FarModes(values[far], omega)
             values = values[~far]

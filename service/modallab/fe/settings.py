@@ -220,19 +220,19 @@ class CacheSettings(Settings):
         derived="memory of their modes",
     )
     frequency_axes: int = setting(
-        2,
+        6,
         unit="axes",
         doc="frequency axes of an attachment's dynamic stiffness",
-        derived="memory; all runs of a test share one axis",
+        derived="memory; all runs of a test share the blocks of one axis",
     )
     dynamic_stiffness_values: int = setting(
-        500,
+        8192,
         unit="values",
         doc="size of a cached dynamic stiffness",
-        derived="one column at the lines of a test; memory",
+        derived="two columns at a block of frequencies; memory: 128 KB",
     )
     modal_responses: int = setting(
-        3, unit="axes", doc="frequency axes of modal responses", derived="memory of their denominators"
+        6, unit="axes", doc="frequency axes of modal responses", derived="memory of their denominators"
     )
     bases_with_responses: int = setting(
         16,
@@ -241,7 +241,7 @@ class CacheSettings(Settings):
         derived="a run of a drifting test has its own; memory",
     )
     response_values: int = setting(
-        250_000, unit="values", doc="size of a cached response, lines times modes", derived="memory: 4 MB"
+        125_000, unit="values", doc="size of a cached response, lines times modes", derived="memory: 2 MB"
     )
     modal_forces: int = setting(
         8, unit="forces", doc="modal forces whose coupled responses are cached", derived="memory"

@@ -162,12 +162,13 @@ class Chain:
 
         Asked for again of structures that are loaded alike, as where effects are of channels, it is known.
         """
-        cache = runs[0].system.cache
-        latest = cache.get(CACHED_RECEPTANCE)
-        if latest is not None and latest.matches(runs, omega):
+        cache, key = runs[0].system.cache, (len(runs[0].motions), omega.tobytes())
+        latest = cache.get(CACHED_RECEPTANCE, key)
+        if latest is not None and latest.matches(runs):
             return latest.alpha
         alpha = self._solve_receptance(runs, omega, top)
-        cache.put(CACHED_RECEPTANCE, CachedReceptance(tuple(runs), omega, alpha))
+        blocks = max(1, CHAIN.cached_receptances // alpha.size)
+        cache.put(CACHED_RECEPTANCE, CachedReceptance(tuple(runs), alpha), key, capacity=blocks)
         return alpha
 
     def _solve_receptance(self, runs: Sequence[Run], omega: FloatArray, top: float) -> ComplexArray:

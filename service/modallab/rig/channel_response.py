@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.arrays import ComplexArray
 from modallab.fe.cache import CacheSlot
 from modallab.rig.run import Run
 
@@ -37,16 +37,14 @@ class ChannelResponse:
 
 @dataclass(frozen=True, eq=False)
 class CachedReceptance:
-    """The latest receptance of a structure, with the runs and frequencies it belongs to."""
+    """The latest receptance of a structure at some frequencies, with the runs it belongs to."""
 
     runs: tuple[Run, ...]
-    omega: FloatArray
     alpha: ComplexArray
 
-    def matches(self, runs: Sequence[Run], omega: FloatArray) -> bool:
-        """Return whether it is the receptance of these runs at these frequencies."""
-        same_runs = len(runs) == len(self.runs) and all(map(_same_request, runs, self.runs))
-        return same_runs and np.array_equal(omega, self.omega)
+    def matches(self, runs: Sequence[Run]) -> bool:
+        """Return whether it is the receptance of these runs."""
+        return len(runs) == len(self.runs) and all(map(_same_request, runs, self.runs))
 
 
 CACHED_RECEPTANCE: CacheSlot[CachedReceptance] = CacheSlot("receptance of the latest runs")

@@ -63,6 +63,9 @@ class ChainSettings(Settings):
     frequency_block: int = setting(
         2048, unit="frequencies", doc="frequencies solved for in one call", derived="cache size"
     )
+    cached_receptances: int = setting(
+        2**20, unit="values", doc="size of the latest receptances that are kept", derived="memory: 16 MB"
+    )
 
 
 @dataclass(frozen=True)
