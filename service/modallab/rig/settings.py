@@ -64,7 +64,7 @@ class ChainSettings(Settings):
         2048, unit="frequencies", doc="frequencies solved for in one call", derived="cache size"
     )
     cached_receptances: int = setting(
-        2**20, unit="values", doc="size of the latest receptances that are kept", derived="memory: 16 MB"
+        2**19, unit="values", doc="size of the latest receptances that are kept", derived="memory: 8 MB"
     )
 
 
