@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from modallab.fe.far_modes import FarModes, are_far
+from modallab.fe.modes import ModalBasis
 
 OMEGA = np.linspace(1.0, 1000.0, 201)
 
@@ -33,3 +34,14 @@ def test_few_modes_are_summed_one_by_one() -> None:
 
 def test_no_mode_is_far_from_complex_frequencies() -> None:
     assert not are_far(np.full(40, 1e8 + 0j), np.asarray(OMEGA - 1j, complex)).any()
+
+
+def test_a_receptance_has_near_and_far_modes_in_any_order() -> None:
+    rng = np.random.default_rng(2)
+    frequencies = rng.permutation(np.concatenate([np.linspace(0.1, 1.9, 10), np.geomspace(2.1, 50.0, 40)]))
+    eigenvalues = np.asarray((frequencies * OMEGA[-1]) ** 2 * (1 + 0.01j), complex)
+    shapes, motions = rng.standard_normal((6, 50)), np.eye(6)
+    exact = np.einsum("im,jm,fm->fij", shapes, shapes, 1 / (eigenvalues - OMEGA[:, None] ** 2))
+    alpha = ModalBasis(eigenvalues, shapes, 0).at(OMEGA).receptance(motions, motions)
+    # Rounding of sums of 50 terms, over the largest of them.
+    assert np.abs(alpha - exact).max() < 1e-14 * np.abs(exact).max() * 50
