@@ -8,6 +8,7 @@ import contextlib
 import io
 import json
 import os
+import signal
 import subprocess
 import sys
 import tempfile
@@ -26,6 +27,8 @@ from modallab.interchange.reading_options import ReadingOptions
 from modallab.interchange.settings import CONFINEMENT, READING
 
 REQUEST, REFUSED = "request.json", 3
+_OUT_OF_TIME = -getattr(signal, "SIGXCPU", 0)  # no such signal on Windows; 0 is success
+_TOO_LONG = "the file takes too long to read"
 _MODULE = "modallab.interchange.reader_process"
 # Only the filters of the HDF5 library itself, no locks; one thread.
 _ENVIRONMENT = {
@@ -167,9 +170,11 @@ def _output(module: str, folder: str, timeout: float) -> bytes:
             check=False,
         )
     except subprocess.TimeoutExpired:
-        raise InvalidInputError("the file takes too long to read", field="file") from None
+        raise InvalidInputError(_TOO_LONG, field="file") from None
     if run.returncode == 0:
         return run.stdout
+    if run.returncode == _OUT_OF_TIME:
+        raise InvalidInputError(_TOO_LONG, field="file")
     refused = None
     if run.returncode == REFUSED:
         with contextlib.suppress(ValueError, IndexError):
