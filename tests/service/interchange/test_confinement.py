@@ -9,6 +9,7 @@ import pytest
 from modallab.core.errors import InvalidInputError
 from modallab.interchange import confinement
 from modallab.interchange.confinement import NamedFile, run_confined
+from modallab.interchange.settings import CONFINEMENT
 
 # A program that takes processor time as it begins, as imports do on a slow machine, and as it reads.
 PROGRAM = """
@@ -36,7 +37,7 @@ def program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     """Name of a program of 3 s of processor time before it reads, where a file has 1 s."""
     (tmp_path / "busy_reader.py").write_text(PROGRAM.replace("request_of_start", "3.0"))
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
-    monkeypatch.setattr(confinement, "CONFINEMENT", replace(confinement.CONFINEMENT, processor_seconds=1))
+    monkeypatch.setattr(confinement, "CONFINEMENT", replace(CONFINEMENT, processor_seconds=1))
     return "busy_reader"
 
 
