@@ -18,7 +18,7 @@ from modallab.rig.line_kernels import LineKernel, coarse_kernel, periodic_kernel
 from modallab.rig.line_selection import LineSelection
 from modallab.rig.nonlinear_settings import DISTORTION
 from modallab.rig.periodic import fixed_signals
-from modallab.rig.spectrum_settings import QUADRATURE
+from modallab.rig.spectrum_settings import LEAKAGE_KERNEL, QUADRATURE
 
 
 def expected_spectra(
@@ -63,7 +63,8 @@ def derivative_kernel(chain: Chain) -> LeakageKernel | None:
     """Return the leakage kernel for numerical derivatives; None if all power repeats with the record."""
     if not chain.source.continuous > 0:
         return None
-    return refined_kernel(chain.setup.analyser, *chain.poles(), QUADRATURE.derivative_points)
+    points = QUADRATURE.derivative_points, LEAKAGE_KERNEL.derivative_points
+    return refined_kernel(chain.setup.analyser, *chain.poles(), *points)
 
 
 def coarse_spectra(

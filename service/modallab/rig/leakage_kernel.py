@@ -42,7 +42,7 @@ class LeakageKernel:
         sign = np.ones(parts.shape[1])
         sign[n_real:] = -1.0  # of the mirror
         near_part = self.near @ parts + sign * (self.mirrored @ parts)
-        far_points = (self.gather @ parts).reshape(LEAKAGE_KERNEL.n_points, n_lines, -1)
+        far_points = (self.gather @ parts).reshape(len(self.far), n_lines, -1)
         sources = np.zeros((self.n_fft, parts.shape[1]))
         lines = np.zeros((self.far.shape[1], parts.shape[1]), complex)
         for far, points, mirror in zip(
@@ -65,6 +65,7 @@ def leak_spectrum(
     nodes: FloatArray,
     weights: FloatArray,
     n_samples: int | None = None,
+    n_points: int = LEAKAGE_KERNEL.n_points,
 ) -> LeakageKernel:
     """Return the leakage kernel of lines `spacing` Hz apart, for quadrature nodes and weights in Hz.
 
@@ -74,6 +75,8 @@ def leak_spectrum(
     ----------
     n_samples
         Of a record, 2.5 n_lines and more; None: of continuous time.
+    n_points
+        Interpolation points of a line for what leaks from afar.
     """
     shape = WINDOWS[window]
     line = np.round(nodes / spacing)
@@ -95,11 +98,11 @@ def leak_spectrum(
             n_lines,
         ),
         _matrix(
-            line_index + n_lines * np.arange(LEAKAGE_KERNEL.n_points)[:, None],
-            _lagrange(offset) * node_weight,
-            LEAKAGE_KERNEL.n_points * n_lines,
+            line_index + n_lines * np.arange(n_points)[:, None],
+            _lagrange(offset, n_points) * node_weight,
+            n_points * n_lines,
         ),
-        _far(window, n_lines, n_samples),
+        _far(window, n_lines, n_samples, n_points),
         _n_fft(n_lines),
     )
 
@@ -119,38 +122,34 @@ def _nearby(window: Window, n_lines: int) -> int:
     return reach if n_lines > 2 * reach else 2 * n_lines
 
 
-def _points() -> FloatArray:
-    """Chebyshev points over one line, symmetric about it."""
-    return np.asarray(
-        -0.5 * np.cos(np.pi * (np.arange(LEAKAGE_KERNEL.n_points) + 0.5) / LEAKAGE_KERNEL.n_points)
-    )
+def _points(n_points: int) -> FloatArray:
+    """Return the Chebyshev points (n_points,) over one line, symmetric about it."""
+    return np.asarray(-0.5 * np.cos(np.pi * (np.arange(n_points) + 0.5) / n_points))
 
 
-def _lagrange(offset: FloatArray) -> FloatArray:
+def _lagrange(offset: FloatArray, n_points: int) -> FloatArray:
     """Return the Lagrange polynomials of the points, (n_points, n) at `offset` (n,) lines."""
-    points = _points()
+    points = _points(n_points)
     distance = offset - points[:, None]
-    denominator = np.where(np.eye(LEAKAGE_KERNEL.n_points, dtype=bool), 1.0, points[:, None] - points).prod(
-        axis=1
-    )
+    denominator = np.where(np.eye(n_points, dtype=bool), 1.0, points[:, None] - points).prod(axis=1)
     lower_product, upper_product = (
         np.ones_like(distance),
         np.ones_like(distance),
     )  # products over the points on either side
-    for i in range(1, LEAKAGE_KERNEL.n_points):
+    for i in range(1, n_points):
         lower_product[i] = lower_product[i - 1] * distance[i - 1]
         upper_product[-1 - i] = upper_product[-i] * distance[-i]
     return np.asarray(lower_product * upper_product / denominator[:, None])
 
 
 @lru_cache(maxsize=8)
-def _far(window: str, n_lines: int, n_samples: int | None) -> ComplexArray:
+def _far(window: str, n_lines: int, n_samples: int | None, n_points: int) -> ComplexArray:
     """Return the Fourier transform of the line shape at the interpolation points of distant lines."""
     n_fft = _n_fft(n_lines)
     steps = np.arange(1 - n_lines, 2 * n_lines - 1)
-    kernel = np.zeros((LEAKAGE_KERNEL.n_points, n_fft))
+    kernel = np.zeros((n_points, n_fft))
     far_lines = steps[np.abs(steps) >= _nearby(WINDOWS[window], n_lines)]
-    kernel[:, far_lines % n_fft] = WINDOWS[window].envelope(far_lines - _points()[:, None], n_samples)
+    kernel[:, far_lines % n_fft] = WINDOWS[window].envelope(far_lines - _points(n_points)[:, None], n_samples)
     return np.asarray(scipy.fft.rfft(kernel, axis=1)[:, :, None])
 
 

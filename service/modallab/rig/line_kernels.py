@@ -11,7 +11,7 @@ from modallab.rig.acquisition import samples_of
 from modallab.rig.analyser import Analyser
 from modallab.rig.leakage_kernel import LeakageKernel, leak_spectrum
 from modallab.rig.line_selection import LineSelection
-from modallab.rig.spectrum_settings import QUADRATURE
+from modallab.rig.spectrum_settings import LEAKAGE_KERNEL, QUADRATURE
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +93,11 @@ def periodic_kernel(analyser: Analyser, lines: LineSelection | None = None) -> L
 
 
 def refined_kernel(
-    analyser: Analyser, poles: FloatArray, widths: FloatArray, points: int = QUADRATURE.gauss_points
+    analyser: Analyser,
+    poles: FloatArray,
+    widths: FloatArray,
+    points: int = QUADRATURE.gauss_points,
+    far_points: int = LEAKAGE_KERNEL.n_points,
 ) -> LeakageKernel:
     """Return the kernel of the lines for a stationary signal, refined near resonances.
 
@@ -103,10 +107,12 @@ def refined_kernel(
         Frequencies and half bandwidths, Hz, of any shape.
     points
         Of a panel.
+    far_points
+        Of a line, for what leaks from afar.
     """
     grid = refined_panels(analyser, poles, widths, points)
     window, n_samples = analyser.line_window_kind, samples_of(analyser)
-    return leak_spectrum(window, analyser.n_lines, analyser.spacing, *grid, n_samples)
+    return leak_spectrum(window, analyser.n_lines, analyser.spacing, *grid, n_samples, far_points)
 
 
 @lru_cache(maxsize=16)

@@ -60,6 +60,12 @@ class LeakageKernelSettings(Settings):
         doc="interpolation points of a line beyond that distance",
         derived="Bernstein ellipse: 16^-10, times some hundred for poles of sixth order",
     )
+    derivative_points: int = setting(
+        4,
+        unit="points",
+        doc="the same where spectra are differentiated",
+        derived="16^-4, times some hundred: 1e-3 of what leaks from afar",
+    )
 
 
 @dataclass(frozen=True)

@@ -52,3 +52,14 @@ def test_one_strong_node_is_felt_rightly_at_the_farthest_line() -> None:
     np.testing.assert_allclose(seen[:60], wanted[:60], rtol=2e-9)  # of the polynomials
     # 10^-15 of the node's own line and less: lost beside the rounding of the transform, and never seen
     np.testing.assert_allclose(seen, wanted, atol=1e-18)
+
+
+def test_few_interpolation_points_keep_a_thousandth_of_what_leaks_from_afar() -> None:
+    rng = np.random.default_rng(1)
+    nodes, weights = rng.uniform(0, 99 * SPACING, 500), rng.uniform(0, 1, 500)
+    inside = (nodes > 40 * SPACING) & (nodes < 60 * SPACING)
+    spectrum = np.where(inside, rng.uniform(0, 1, 500), 0.0)[None, :, None].astype(complex)
+    kernels = [leak_spectrum("rectangular", 100, SPACING, nodes, weights, n_points=n) for n in (10, 4)]
+    many, few = (kernel.convolve(spectrum)[0, :, 0].real for kernel in kernels)
+    far = np.r_[:30, 70:100]
+    np.testing.assert_allclose(few[far], many[far], rtol=1e-3)  # its settings say so
