@@ -5,16 +5,9 @@ import numpy as np
 from modallab.core.arrays import ComplexArray
 from modallab.core.dof import Dof
 from modallab.core.place import Members
-from modallab.diagnosis.result import (
-    Diagnosis,
-    FittedEffect,
-    FittedParameter,
-    Localisation,
-    Rival,
-    Step,
-    Verdict,
-)
+from modallab.diagnosis.result import Diagnosis, FittedEffect, FittedParameter, Rival, Step, Verdict
 from modallab.diagnosis.result_curves import DiagnosisCurves
+from modallab.diagnosis.result_localisation import Localisation
 from tests.diagnosing import model, rig
 
 OUTPUTS = tuple(Dof(n, "Y") for n in (1, 2, 4, 5, 7, 9))

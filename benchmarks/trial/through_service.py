@@ -16,6 +16,7 @@ from modallab.core.place import Place
 from modallab.diagnosis import result
 from modallab.diagnosis.result_builder import extended
 from modallab.diagnosis.result_curves import DiagnosisCurves
+from modallab.diagnosis.result_localisation import Localisation
 from modallab.fe.damping import StructuralDamping
 from modallab.fe.structure import Member, Structure
 from modallab.rig.measurement import Measurement
@@ -131,7 +132,7 @@ def read(reply: results.Diagnosis, question: Question) -> result.Diagnosis:
     assert reply.curves is not None
     return result.Diagnosis(
         verdict=result.Verdict(reply.verdict),
-        located=result.Localisation(words=reply.located.words),
+        located=Localisation(words=reply.located.words),
         steps=steps,
         remaining_gap=_number(reply.remaining_gap),
         remaining_scatter=_number(reply.remaining_scatter),

@@ -15,7 +15,8 @@ from modallab.diagnosis.predicting.limitations import limitations
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.frf_selection import FrfSelection
 from modallab.diagnosis.residuals.observe import observe
-from modallab.diagnosis.result import GapPattern, Verdict
+from modallab.diagnosis.result import Verdict
+from modallab.diagnosis.result_localisation import GapPattern
 from modallab.effects.gain_error import GainError
 from modallab.effects.polarity import Polarity
 from modallab.effects.stiffness_error import StiffnessError

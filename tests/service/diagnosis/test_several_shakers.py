@@ -23,7 +23,8 @@ from modallab.diagnosis.residuals.frf_selection import FrfSelection
 from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.residual import Residual, gap_errors
-from modallab.diagnosis.result import GapPattern, Verdict
+from modallab.diagnosis.result import Verdict
+from modallab.diagnosis.result_localisation import GapPattern
 from modallab.effects.exciter_armature import ExciterArmature
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.gain_error import GainError

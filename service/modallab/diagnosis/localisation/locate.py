@@ -16,7 +16,7 @@ from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.residual import gap_errors
-from modallab.diagnosis.result import GapPattern, Localisation
+from modallab.diagnosis.result_localisation import GapPattern, Localisation
 from modallab.rig.frf_channel import stands_for_response
 
 

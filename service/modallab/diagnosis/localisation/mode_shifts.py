@@ -8,7 +8,7 @@ from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.diagnosis.localisation.settings import MODE_SHIFTS
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import Observed
-from modallab.diagnosis.result import ModeShift
+from modallab.diagnosis.result_localisation import ModeShift
 
 
 def mode_shifts(

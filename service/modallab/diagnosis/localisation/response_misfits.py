@@ -6,7 +6,7 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.diagnosis.localisation.settings import CHANNEL_ERRORS
 from modallab.diagnosis.residuals.normalised_difference import normalised_difference
 from modallab.diagnosis.residuals.observed import Observed
-from modallab.diagnosis.result import ChannelError, ResponseMisfit
+from modallab.diagnosis.result_localisation import ChannelError, ResponseMisfit
 
 
 def response_misfits(observed: Observed, h: ComplexArray) -> tuple[ResponseMisfit, ...]:

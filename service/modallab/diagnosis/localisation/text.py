@@ -10,7 +10,13 @@ from modallab.core.arrays import FloatArray
 from modallab.core.numerics import SAFE_DIVISOR
 from modallab.diagnosis.localisation.settings import STATEMENTS
 from modallab.diagnosis.residuals.residual import Residual
-from modallab.diagnosis.result import ChannelError, GapPattern, Localisation, ModeShift, ResponseMisfit
+from modallab.diagnosis.result_localisation import (
+    ChannelError,
+    GapPattern,
+    Localisation,
+    ModeShift,
+    ResponseMisfit,
+)
 from modallab.rig.frf_channel import FrfChannel, stands_for_response
 
 PARTS = {"frf": "FRFs", "force": "force spectra", "response": "response spectra"}

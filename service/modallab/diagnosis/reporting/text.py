@@ -11,12 +11,12 @@ from modallab.diagnosis.result import (
     EquivalentEffect,
     FittedEffect,
     FittedParameter,
-    Localisation,
     NextTest,
     Rival,
     Step,
     ToleratedParameter,
 )
+from modallab.diagnosis.result_localisation import Localisation
 from modallab.fe.structure import Structure
 from modallab.rig.effect import EFFECTS
 

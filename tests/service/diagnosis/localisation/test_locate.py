@@ -12,7 +12,7 @@ from modallab.diagnosis.localisation.locate import locate
 from modallab.diagnosis.predicting.follow_up import FollowUp
 from modallab.diagnosis.predicting.joint_prediction import JointPredictor
 from modallab.diagnosis.residuals.observe import observe
-from modallab.diagnosis.result import ChannelError, GapPattern, Localisation
+from modallab.diagnosis.result_localisation import ChannelError, GapPattern, Localisation
 from modallab.effects.channel_delay import ChannelDelay
 from modallab.effects.exciter_armature import ExciterArmature
 from modallab.effects.extra_mass import ExtraMass

@@ -13,13 +13,13 @@ from modallab.diagnosis.result import (
     EquivalentEffect,
     FittedEffect,
     FittedParameter,
-    ModeShift,
     NextTest,
     Rival,
     Step,
     ToleratedParameter,
     Verdict,
 )
+from modallab.diagnosis.result_localisation import ModeShift
 from tests.diagnosed import STEP, curves, diagnosis
 
 

@@ -5,7 +5,8 @@ import pytest
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members, Place
 from modallab.diagnosis.reporting import text
-from modallab.diagnosis.result import EquivalentEffect, Localisation, NextTest, Rival, Step
+from modallab.diagnosis.result import EquivalentEffect, NextTest, Rival, Step
+from modallab.diagnosis.result_localisation import Localisation
 from tests.diagnosed import STEP
 from tests.diagnosing import model
 from tests.rigs import dofs
