@@ -149,12 +149,13 @@ def minimised(task: FitTask, max_chi_square: float, *, approach: bool) -> tuple[
                 renewals=False,
             )
         )
-        if float(attempt.vector @ attempt.vector) > max_chi_square:
+        if attempt.cost > max_chi_square:
             return attempt.position, attempt.jacobian[: len(attempt.vector) - len(task.free)]
     if approach or not len(parameters):
         _approach(minimum, task)
     near_noise = FIT.near_noise * len(minimum.vector)
-    minimum.minimise(
+    _minimise_far_from_noise(
+        minimum,
         StepRules(
             evaluations=FIT.max_evaluations,
             tolerance=FIT.coarse_tolerance + tolerated,
@@ -162,9 +163,9 @@ def minimised(task: FitTask, max_chi_square: float, *, approach: bool) -> tuple[
             # Where an effect is fitted too, corrected derivatives may end steps before they reach the data.
             corrections=1 if len(parameters) else _corrections(task),
             goal=near_noise,
-        )
+        ),
     )
-    if float(minimum.vector @ minimum.vector) < near_noise:
+    if minimum.cost < near_noise:
         if minimum.corrections > FIT.max_corrections:
             minimum.renew()
         for _ in range(FIT.max_continuations):
@@ -184,6 +185,15 @@ def minimised(task: FitTask, max_chi_square: float, *, approach: bool) -> tuple[
     return minimum.position, minimum.jacobian[: len(minimum.vector) - len(task.free)]
 
 
+def _minimise_far_from_noise(minimum: BoundedGaussNewton, rules: StepRules) -> None:
+    """Take steps down to the goal of the rules, in several runs while each gains nearly all there is."""
+    for _ in range(FIT.max_continuations):
+        before = minimum.cost
+        converged = minimum.minimise(rules)
+        if converged or minimum.cost < rules.goal or minimum.cost > FIT.rapid_fall * before:
+            return
+
+
 def _approach(minimum: BoundedGaussNewton, task: FitTask) -> None:
     """Bring a fit far from the data nearer, with every random error inflated, stage by stage.
 
@@ -192,7 +202,7 @@ def _approach(minimum: BoundedGaussNewton, task: FitTask) -> None:
     """
     observed, n_data = task.predictor.observed, len(minimum.vector)
     for inflation in FIT.approach_inflations:
-        if float(minimum.vector @ minimum.vector) < FIT.far_from_data * n_data:
+        if minimum.cost < FIT.far_from_data * n_data:
             return
         weights = inflation_weights(observed, observed.fitted, inflation)
         minimum.minimise(

@@ -76,12 +76,17 @@ class BoundedGaussNewton:
         self.vector = function(self.position)
         self.renew()
 
+    @property
+    def cost(self) -> float:
+        """Sum of squares of the residuals at the position, without weights."""
+        return self._cost(self.vector, None)
+
     def renew(self) -> None:
         """Compute the derivatives at the position."""
         self.jacobian = self._differentiate(self.position, self.vector)
         self._metric = self.jacobian.T @ self.jacobian
         self.corrections = self._recent_corrections = self._n_partial = 0
-        self._cost_at_renewal = self._cost(self.vector, None)
+        self._cost_at_renewal = self.cost
 
     def _renew(self, partial: bool) -> None:
         """Compute the first columns of the derivatives, or all where they were renewed often enough."""
@@ -133,7 +138,7 @@ class BoundedGaussNewton:
             poor = self.corrections > 0 and gain <= LEAST_SQUARES.poor_gain * predicted_gain
             n_poor = n_poor + 1 if poor else 0
             if n_poor > rules.poor_steps:
-                gained = self._cost_at_renewal - self._cost(self.vector, None)
+                gained = self._cost_at_renewal - self.cost
                 no_gain = rules.prediction_error > 0 and gained < rules.prediction_error
                 if not rules.renewals or no_gain:
                     return rules.renewals

@@ -1,10 +1,14 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members
 from modallab.diagnosis.fitting.coarse_fit import coarse_fit
+from modallab.diagnosis.fitting import fit_task
 from modallab.diagnosis.fitting.fit import fit, with_optional_parameters
+from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.optimisation.nuisance_parameters import nuisance_parameters
 from modallab.diagnosis.optimisation.nuisances import draw_positions
 from modallab.diagnosis.optimisation.tolerances import TolerancePreset, Tolerances
@@ -42,6 +46,17 @@ def test_a_start_far_away_is_brought_home_on_blurred_residuals() -> None:
     )
     # On every line, periodic: the first look is exact, so only the random error (1e-4) is left.
     assert abs(near.parameters["factor"] - 1.6) < 2e-3
+
+
+def test_steps_that_gain_nearly_all_go_on_to_the_noise(monkeypatch: pytest.MonkeyPatch) -> None:
+    true = StiffnessError(at=Members((3,)), factor=1.6)
+    predictor, _ = predicting(draw_measurement(rig(), [true]))
+    start = true.with_parameters({"factor": 1.45})
+    monkeypatch.setattr(fit_task, "FIT", replace(FIT, max_evaluations=2))
+    found = fit(predictor, [start])
+    assert found.chi_square < 1.1 * found.n_data  # 2,700 squares scatter by 3 %
+    monkeypatch.setattr(fit_task, "FIT", replace(FIT, max_evaluations=2, rapid_fall=0.0))
+    assert fit(predictor, [start]).chi_square > 10 * found.n_data
 
 
 def test_of_a_model_wrong_everywhere_the_declared_values_are_the_better_start() -> None:
