@@ -12,7 +12,8 @@ from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.optimisation.nuisances import Nuisances
 from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.search_result import SearchResult
-from modallab.diagnosis.searching.acceptance import is_noise_only, is_significant, ranked_by_bic
+from modallab.diagnosis.searching.acceptance import is_significant, ranked_by_bic
+from modallab.diagnosis.searching.gap_tests import is_noise_only
 from modallab.diagnosis.searching.limiting_fits import with_limiting_effects
 from modallab.diagnosis.searching.round_settings import ROUND
 from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, kind_and_place, refine_path

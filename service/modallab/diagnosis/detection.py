@@ -16,7 +16,8 @@ from modallab.diagnosis.optimisation.linear_nuisances import LinearNuisances
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.residual import gap_errors, residual
 from modallab.diagnosis.result import DetectionLimit
-from modallab.diagnosis.searching.acceptance import largest_gap_by_chance, variance_inflation
+from modallab.diagnosis.searching.acceptance import variance_inflation
+from modallab.diagnosis.searching.gap_tests import largest_gap_by_chance
 from modallab.diagnosis.searching.modification_screen import ModificationScreen
 from modallab.diagnosis.searching.settings import ACCEPTANCE
 from modallab.diagnosis.searching.starting_values import scan_sizes, smallest_amounts, with_amount_scaled

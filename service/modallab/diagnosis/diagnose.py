@@ -25,7 +25,7 @@ from modallab.diagnosis.result import Diagnosis, Step, Unknown, Verdict
 from modallab.diagnosis.result_builder import curves, extended, rivals, step, tolerated
 from modallab.diagnosis.search_result import SearchResult
 from modallab.diagnosis.search_task import SearchTask
-from modallab.diagnosis.searching.acceptance import excess_ratio
+from modallab.diagnosis.searching.gap_tests import excess_ratio
 from modallab.diagnosis.searching.search_path import SearchPath
 from modallab.diagnosis.searching.suspects import suspected
 from modallab.diagnosis.settings import DIAGNOSIS
@@ -274,5 +274,5 @@ def _verdict(predictor: Predictor, path: SearchPath, steps: Sequence[Step], expl
     if explained:
         alike = any(step.rivals_alike for step in steps)
         return Verdict.AMBIGUOUS if alike else Verdict.EXPLAINED
-    most = excess_ratio(predictor, path.start, path.steps[0].fit) <= DIAGNOSIS.partial_excess
+    most = excess_ratio(path.start, path.steps[0].fit, predictor.observed.fitted) <= DIAGNOSIS.partial_excess
     return Verdict.PARTLY_EXPLAINED if most and not steps[0].rivals_alike else Verdict.UNEXPLAINED

@@ -6,7 +6,7 @@ from functools import cached_property
 from modallab.core.dof import Dof
 from modallab.diagnosis.fitting.fit import Fit, fit, with_optional_parameters
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.searching.acceptance import is_noise_only, unexplained_parts
+from modallab.diagnosis.searching.gap_tests import is_noise_only, unexplained_parts
 from modallab.diagnosis.searching.search_path import SearchPath
 from modallab.rig.effect import Effect
 

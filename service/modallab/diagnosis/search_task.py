@@ -20,7 +20,7 @@ from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.predicting.settings import BUDGET
 from modallab.diagnosis.search_result import SearchResult
-from modallab.diagnosis.searching.acceptance import is_noise_only
+from modallab.diagnosis.searching.gap_tests import is_noise_only
 from modallab.diagnosis.searching.search import ExplanationCriterion, is_prediction_error, search
 from modallab.diagnosis.searching.search_path import SearchPath
 from modallab.diagnosis.searching.search_round import fit_candidates

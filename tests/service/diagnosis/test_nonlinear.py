@@ -16,7 +16,8 @@ from modallab.diagnosis.reporting.text import number_text
 from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.residuals.predicted import VarianceRatios
 from modallab.diagnosis.residuals.residual import residual
-from modallab.diagnosis.searching.acceptance import is_noise_only, is_significant, unexplained_parts
+from modallab.diagnosis.searching.acceptance import is_significant
+from modallab.diagnosis.searching.gap_tests import is_noise_only, unexplained_parts
 from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.friction import Friction

@@ -53,7 +53,7 @@ class FitSettings(Settings):
     rapid_fall: float = setting(
         0.03,
         doc="share of the squares below which steps that were cut off go on",
-        tuned="a mass on a fine bar: 1e5 random errors squared fell to 3.4 in twelve steps, to 1.0 in fourteen",
+        tuned="a mass on a fine bar: squares of 1e5 fell to 3.4 in twelve steps, to 1.0 in fourteen",
     )
     first_steps: int = setting(
         8,

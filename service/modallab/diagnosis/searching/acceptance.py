@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from itertools import takewhile
 
 import numpy as np
-from scipy.special import chdtri
 
 from modallab.core.arrays import BoolArray
 from modallab.core.dof import Dof
@@ -15,109 +14,10 @@ from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.noise_level_errors import without_noise_level_errors
 from modallab.diagnosis.residuals.observed import Observed
-from modallab.diagnosis.residuals.residual import Residual, correlation_lengths, gap_error, gap_errors
+from modallab.diagnosis.residuals.residual import Residual, correlation_lengths, gap_error
+from modallab.diagnosis.searching.gap_tests import is_noise_only, parts_with_wide_errors
 from modallab.diagnosis.searching.settings import ACCEPTANCE
 from modallab.rig.effect import Effect, Stage
-from modallab.rig.simulated_variance import is_intermittent
-from modallab.rig.spectrum_settings import SIMULATED_VARIANCE
-
-
-def is_noise_only(
-    predictor: Predictor, candidate: Fit, *, max_lag: int | None = ACCEPTANCE.correlated_lines
-) -> bool:
-    """Return whether every part of the gap is 1 within its random error, fitted and held out alike.
-
-    Parameters
-    ----------
-    max_lag
-        As `unexplained_parts`.
-    """
-    return not unexplained_parts(predictor, candidate, max_lag=max_lag)
-
-
-def unexplained_parts(predictor: Predictor, candidate: Fit, *, max_lag: int | None) -> set[str]:
-    """Return the parts of the gap that are not 1 within their random error, on fitted or held-out data.
-
-    Noise levels may be in error by `ACCEPTANCE.noise_level_error`, where that explains most of a gap. Errors
-    of nuisance parameters enlarge the gap of held-out data by a known mean. Effects in bursts state
-    the random errors themselves: where the residuals are far smaller, these are not the errors of the data.
-
-    Parameters
-    ----------
-    max_lag
-        As `correlation_lengths`. Leakage correlates all lines, but so does a missing effect, above all an
-        unknown noise level: a search takes lines more than a few apart for independent and continues where
-        a gap is not small. None asks for a large gap: a verdict has to be sure.
-    """
-    observed, found = predictor.observed, _beside_noise_levels(predictor, candidate)
-
-    def excess(mask: BoolArray, allowed: Mapping[str, float]) -> set[str]:
-        errors = gap_errors(observed, found, mask, max_lag=max_lag)
-        limits = {
-            part: largest_gap_by_chance(float(np.hypot(error, observed.scale_error)))
-            for part, error in errors.items()
-        }
-        gaps = found.gaps(mask)
-        return {part for part, gap in gaps.items() if gap > limits[part] * (1 + allowed.get(part, 0.0))}
-
-    fitted, held_out = excess(observed.fitted, {}), excess(observed.held_out_mask, {})
-    if not fitted and held_out and len(predictor.nuisances):
-        held_out = excess(observed.held_out_mask, candidate.prediction_variance)
-    return fitted | held_out | parts_with_wide_errors(predictor, candidate, max_lag=max_lag)
-
-
-def _beside_noise_levels(predictor: Predictor, candidate: Fit) -> Residual:
-    """Return the residual without errors of noise levels, unless these explain little of its excess."""
-    observed, found = predictor.observed, candidate.residual
-    corrected = without_noise_level_errors(observed, found, ACCEPTANCE.noise_level_error)
-    if found.response is None:
-        return found
-    gap, rest = (each.gaps(observed.fitted)["response"] for each in (found, corrected))
-    return corrected if gap - rest > (gap - 1) / 2 else found
-
-
-def excess_ratio(predictor: Predictor, before: Fit, after: Fit) -> float:
-    """Return the excess of the fitted gap over 1 with further effects, over that without them."""
-    mask = predictor.observed.fitted
-    excess_before, excess = (found.residual.gap(mask) - 1 for found in (before, after))
-    return excess / excess_before if excess_before > 0 else np.inf
-
-
-def parts_with_wide_errors(predictor: Predictor, candidate: Fit, *, max_lag: int | None = None) -> set[str]:
-    """Return the fitted parts whose residuals are far smaller than the errors that effects in bursts state.
-
-    Such errors forgive any residual. They are known from a few simulated tests, to a factor.
-
-    Parameters
-    ----------
-    max_lag
-        As `unexplained_parts`.
-    """
-    if not any(is_intermittent(candidate.effects, test.setup) for test in predictor.tests):
-        return set()
-    mask = predictor.observed.fitted
-    gaps, errors = (
-        candidate.residual.gaps(mask),
-        gap_errors(predictor.observed, candidate.residual, mask, max_lag=max_lag),
-    )
-    least = 1 / SIMULATED_VARIANCE.significance_ratio
-    return {part for part, gap in gaps.items() if gap < least * smallest_gap_by_chance(errors[part])}
-
-
-def largest_gap_by_chance(error: float) -> float:
-    """Return the largest gap that is compatible with noise, by the standard error of a gap.
-
-    A mean of squares has a chi-square distribution of 2 / error^2 degrees of freedom: with few of them, as
-    under leakage, its upper tail is longer than that of a normal distribution.
-    """
-    freedom = 2 / error**2
-    return float(chdtri(freedom, ACCEPTANCE.gap_probability) / freedom)
-
-
-def smallest_gap_by_chance(error: float) -> float:
-    """Return the smallest gap that is compatible with noise, as `largest_gap_by_chance`."""
-    freedom = 2 / error**2
-    return float(chdtri(freedom, 1 - ACCEPTANCE.gap_probability) / freedom)
 
 
 def ranked_by_bic(fits: Sequence[Fit]) -> list[Fit]:

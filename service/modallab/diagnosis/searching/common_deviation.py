@@ -2,7 +2,8 @@
 
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.searching.acceptance import is_noise_only, variance_inflation
+from modallab.diagnosis.searching.acceptance import variance_inflation
+from modallab.diagnosis.searching.gap_tests import is_noise_only
 from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, kind_and_place
 from modallab.diagnosis.searching.settings import ACCEPTANCE
 from modallab.diagnosis.searching.suspects import Suspects

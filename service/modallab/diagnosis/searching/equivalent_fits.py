@@ -4,11 +4,8 @@ from dataclasses import replace
 
 from modallab.diagnosis.fitting.fit import Fit
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.searching.acceptance import (
-    excess_ratio,
-    incomplete_variance_inflation,
-    unexplained_parts,
-)
+from modallab.diagnosis.searching.acceptance import incomplete_variance_inflation
+from modallab.diagnosis.searching.gap_tests import excess_ratio, unexplained_parts
 from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, kind_and_place
 from modallab.diagnosis.searching.settings import ACCEPTANCE, SEARCH
 
@@ -29,7 +26,7 @@ def without_undetermined_effects(predictor: Predictor, path: SearchPath) -> Sear
             break
         simpler, closes_most = (
             equivalents[0],
-            excess_ratio(predictor, last.previous_fit, last.fit) < SEARCH.undetermined_ratio,
+            excess_ratio(last.previous_fit, last.fit, predictor.observed.fitted) < SEARCH.undetermined_ratio,
         )
         if (closes_most or len(equivalents) == 1) and simpler.n_parameters < chosen.n_parameters:
             name = kind_and_place(simpler.effects[-1])

@@ -4,7 +4,7 @@ import numpy as np
 
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.searching.acceptance import is_noise_only
+from modallab.diagnosis.searching.gap_tests import is_noise_only
 from modallab.diagnosis.searching.round_settings import RESONANCE
 from modallab.rig.effect import Effect, Stage
 

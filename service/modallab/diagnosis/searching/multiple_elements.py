@@ -5,7 +5,8 @@ from dataclasses import replace
 from modallab.core.progress import Progress, part
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.searching.acceptance import is_noise_only, is_nonzero, variance_inflation
+from modallab.diagnosis.searching.acceptance import is_nonzero, variance_inflation
+from modallab.diagnosis.searching.gap_tests import is_noise_only
 from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, kind_and_place
 from modallab.diagnosis.searching.search_round import fit_candidates
 from modallab.diagnosis.searching.settings import ACCEPTANCE, MULTIPLE_ELEMENTS, SEARCH

@@ -6,7 +6,7 @@ import numpy as np
 
 from modallab.diagnosis.fitting.fit import Fit, chi_square_with_own_errors, fit
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.searching.acceptance import parts_with_wide_errors
+from modallab.diagnosis.searching.gap_tests import parts_with_wide_errors
 from modallab.diagnosis.searching.round_settings import NARROWING
 from modallab.diagnosis.searching.starting_values import with_amount_scaled
 from modallab.rig.effect import Effect

@@ -7,14 +7,10 @@ from itertools import islice
 from modallab.core.progress import Progress, part
 from modallab.diagnosis.fitting.fit import Fit
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.searching.acceptance import (
-    excess_ratio,
-    is_noise_only,
-    is_significant,
-    variance_inflation,
-)
+from modallab.diagnosis.searching.acceptance import is_significant, variance_inflation
 from modallab.diagnosis.searching.common_deviation import with_common_deviation
 from modallab.diagnosis.searching.equivalent_fits import without_undetermined_effects
+from modallab.diagnosis.searching.gap_tests import excess_ratio, is_noise_only, leaves_nothing_to_fit
 from modallab.diagnosis.searching.multiple_elements import multiple_elements, verify
 from modallab.diagnosis.searching.round_settings import ROUND
 from modallab.diagnosis.searching.search_path import (
@@ -67,7 +63,7 @@ def search(
     if first is None:
         first = fit_candidates(predictor, start, suspects, progress=part(progress, 0.05, 0.25))
     elements = None
-    if first and max_effects > 1 and not is_noise_only(predictor, first[0]):
+    if first and max_effects > 1 and not leaves_nothing_to_fit(predictor, start, first[0]):
         stage = part(progress, 0.25, 0.3)
         elements = multiple_elements(predictor, first[0], suspects, max_effects=max_effects, progress=stage)
     if elements and len(elements.effects) <= SEARCH.pair:
@@ -167,7 +163,7 @@ def _extended(
 
 def _is_complete(predictor: Predictor, path: SearchPath, explains: ExplanationCriterion | None) -> bool:
     """Return whether no effect is missing: what is left is noise, an error of predictions, or tolerated."""
-    if is_noise_only(predictor, path.fit) or is_prediction_error(predictor, path):
+    if leaves_nothing_to_fit(predictor, path.start, path.fit) or is_prediction_error(predictor, path):
         return True
     if explains is None or len(path.steps) < SEARCH.pair:  # of single effects the first round asked already
         return False
@@ -175,12 +171,12 @@ def _is_complete(predictor: Predictor, path: SearchPath, explains: ExplanationCr
 
 
 def _closes_much(predictor: Predictor, step: AcceptedEffect) -> bool:
-    return excess_ratio(predictor, step.previous_fit, step.fit) < SEARCH.closing_ratio
+    return excess_ratio(step.previous_fit, step.fit, predictor.observed.fitted) < SEARCH.closing_ratio
 
 
 def _closes_little(predictor: Predictor, step: AcceptedEffect) -> bool:
     """Return whether an effect closes so little that those after it are no first effects of a pair either."""
-    return excess_ratio(predictor, step.previous_fit, step.fit) > SEARCH.branching_ratio
+    return excess_ratio(step.previous_fit, step.fit, predictor.observed.fitted) > SEARCH.branching_ratio
 
 
 def is_prediction_error(predictor: Predictor, path: SearchPath) -> bool:
@@ -193,5 +189,5 @@ def is_prediction_error(predictor: Predictor, path: SearchPath) -> bool:
     if found.residual.variance_ratios is None or not is_nonlinear(found.effects):
         return False
     scatter = float(found.residual.variance_ratios().response[mask].mean())
-    closed = excess_ratio(predictor, path.start, found) < SEARCH.prediction_error
+    closed = excess_ratio(path.start, found, predictor.observed.fitted) < SEARCH.prediction_error
     return scatter > SEARCH.strong_scatter and closed

@@ -7,8 +7,9 @@ from dataclasses import dataclass, field, replace
 from modallab.core.errors import InvalidInputError
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.searching.acceptance import excess_ratio, is_noise_only, ranked_by_bic
+from modallab.diagnosis.searching.acceptance import ranked_by_bic
 from modallab.diagnosis.searching.equivalent_values import resolve_equivalents
+from modallab.diagnosis.searching.gap_tests import excess_ratio, is_noise_only
 from modallab.diagnosis.searching.neighbouring_places import neighbouring_effects
 from modallab.diagnosis.searching.round_settings import ROUND
 from modallab.diagnosis.searching.settings import ACCEPTANCE, SEARCH
@@ -161,7 +162,7 @@ def _closes_most(predictor: Predictor, path: SearchPath) -> bool:
     """Return whether the effects leave little of the gap, or random error alone."""
     if is_noise_only(predictor, path.fit):
         return True
-    return excess_ratio(predictor, path.start, path.fit) <= SEARCH.most_excess
+    return excess_ratio(path.start, path.fit, predictor.observed.fitted) <= SEARCH.most_excess
 
 
 def _ordered(predictor: Predictor, path: SearchPath) -> SearchPath:

@@ -10,8 +10,9 @@ from modallab.core.progress import Progress, part, silent
 from modallab.diagnosis.fitting.coarse_fit import coarse_fit
 from modallab.diagnosis.fitting.fit import Fit, fit, with_optional_parameters
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.searching.acceptance import is_noise_only, ranked_by_bic
+from modallab.diagnosis.searching.acceptance import ranked_by_bic
 from modallab.diagnosis.searching.exciter_resonance import with_resonance_at_lines
+from modallab.diagnosis.searching.gap_tests import leaves_nothing_to_fit
 from modallab.diagnosis.searching.imitation import is_imitated
 from modallab.diagnosis.searching.limiting_fits import with_limiting_effects, with_reduced_model
 from modallab.diagnosis.searching.narrower_errors import with_narrower_errors
@@ -305,7 +306,7 @@ class _Round:
 
     def _explains(self, candidate: Fit) -> bool:
         # Gaps cost more than a fit where power leaks, and only those of fits near the data matter.
-        return candidate.is_near_data and is_noise_only(self._predictor, candidate)
+        return candidate.is_near_data and leaves_nothing_to_fit(self._predictor, self._base, candidate)
 
 
 def _worth_fitting(candidates: Iterable[tuple[float, Effect]]) -> list[tuple[float, Effect]]:

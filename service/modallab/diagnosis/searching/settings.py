@@ -20,6 +20,11 @@ class AcceptanceSettings(Settings):
         doc="difference in BIC above which an added effect is significant",
         derived='"very strong" of Kass and Raftery, J. Am. Stat. Assoc. 90 (1995), 773',
     )
+    held_out_share: float = setting(
+        1e-3,
+        doc="share of the held-out gap below which an effect leaves nothing to explain",
+        derived="of what the spectra deviated by, a thirtieth is left: an error of the model or the prior",
+    )
     decisive_bic: float = setting(
         50.0,
         doc="difference in BIC above which an effect is accepted that no held-out data can test",

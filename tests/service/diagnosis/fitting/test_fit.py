@@ -5,8 +5,8 @@ import pytest
 
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members
-from modallab.diagnosis.fitting.coarse_fit import coarse_fit
 from modallab.diagnosis.fitting import fit_task
+from modallab.diagnosis.fitting.coarse_fit import coarse_fit
 from modallab.diagnosis.fitting.fit import fit, with_optional_parameters
 from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.optimisation.nuisance_parameters import nuisance_parameters

@@ -5,7 +5,7 @@ from modallab.diagnosis.fitting.visible_nuisances import with_visible_nuisances
 from modallab.diagnosis.optimisation.nuisance_parameters import nuisance_parameters
 from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
-from modallab.diagnosis.searching.acceptance import is_noise_only
+from modallab.diagnosis.searching.gap_tests import is_noise_only
 from tests.diagnosing import draw_measurement, predicting, rig
 
 TOLERANCES = Tolerances(modal_loss_factor=0.3)

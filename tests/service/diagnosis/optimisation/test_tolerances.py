@@ -18,7 +18,7 @@ from modallab.diagnosis.optimisation.tolerance_effects import LossTolerance
 from modallab.diagnosis.optimisation.tolerances import TolerancePreset, Tolerances
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.residual import residual
-from modallab.diagnosis.searching.acceptance import is_noise_only
+from modallab.diagnosis.searching.gap_tests import is_noise_only
 from modallab.effects.damping_law import DampingLaw
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.loss_factor_error import LossFactorError

@@ -13,7 +13,7 @@ from modallab.diagnosis.residuals.normalised_difference import normalised_differ
 from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.residual import Residual, gap_errors
-from modallab.diagnosis.searching.acceptance import is_noise_only
+from modallab.diagnosis.searching.gap_tests import is_noise_only
 from modallab.effects.exciter_armature import ExciterArmature
 from modallab.rig.analyser import Analyser
 from modallab.rig.hardware import Exciter, ForceTransducer, Noise

@@ -18,12 +18,12 @@ from modallab.diagnosis.residuals.observe import observe
 from modallab.diagnosis.residuals.residual import Residual
 from modallab.diagnosis.result import Verdict
 from modallab.diagnosis.searching.acceptance import (
-    is_noise_only,
     is_nonzero,
     is_significant,
     model_probabilities,
     ranked_by_bic,
 )
+from modallab.diagnosis.searching.gap_tests import is_noise_only
 from modallab.effects.accelerometer_mass import AccelerometerMass
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.gain_error import GainError

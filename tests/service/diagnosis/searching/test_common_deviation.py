@@ -10,7 +10,7 @@ from modallab.diagnosis.optimisation.nuisance_parameters import nuisance_paramet
 from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.reporting.verdict_text import verdict_text
 from modallab.diagnosis.result import Verdict
-from modallab.diagnosis.searching.acceptance import is_noise_only
+from modallab.diagnosis.searching.gap_tests import is_noise_only
 from modallab.diagnosis.searching.search import search
 from modallab.diagnosis.searching.suspects import Suspects
 from modallab.effects.extra_mass import ExtraMass

@@ -8,8 +8,9 @@ from modallab.core.dof import Dof
 from modallab.core.place import Members
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.searching.acceptance import excess_ratio, model_probabilities, unexplained_parts
+from modallab.diagnosis.searching.acceptance import model_probabilities
 from modallab.diagnosis.searching.equivalent_fits import equivalent_fits, without_undetermined_effects
+from modallab.diagnosis.searching.gap_tests import excess_ratio, unexplained_parts
 from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, kind_and_place
 from modallab.diagnosis.searching.settings import SEARCH
 from modallab.effects.attached_oscillator import AttachedOscillator
@@ -78,7 +79,8 @@ def test_an_effect_that_closes_most_of_the_gap_stays_beside_those_that_equal_it(
     path = with_chi_square(path, (best.chi_square, 1.01 * best.chi_square))
     assert unexplained_parts(predictor, path.fit, max_lag=None), "a model that is wrong everywhere"
     assert equivalent_fits(predictor, path.steps[-1], last(path))
-    assert excess_ratio(predictor, path.steps[-1].previous_fit, path.fit) < SEARCH.undetermined_ratio
+    ratio = excess_ratio(path.steps[-1].previous_fit, path.fit, predictor.observed.fitted)
+    assert ratio < SEARCH.undetermined_ratio
     assert without_undetermined_effects(predictor, path) is path
 
 

@@ -7,7 +7,7 @@ from modallab.core.place import Channels, Members
 from modallab.core.progress import silent
 from modallab.diagnosis.fitting.fit import fit
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.searching.acceptance import is_noise_only
+from modallab.diagnosis.searching.gap_tests import is_noise_only
 from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, kind_and_place, refine_path
 from modallab.diagnosis.searching.search_round import fit_candidates
 from modallab.diagnosis.searching.suspects import Suspects
