@@ -262,7 +262,7 @@ def test_a_part_is_explained_if_the_first_effect_alone_leaves_little(
     """A mass and a gain at one point were said to be a part of a joint there that was no suspect."""
     first, second = Mock(fit="with the first"), Mock(fit="with both")
     ratios = {"with the first": left, "with both": 0.0}
-    monkeypatch.setattr(module, "excess_ratio", lambda *given: ratios[given[-1]])
+    monkeypatch.setattr(module, "excess_ratio", lambda _, after, __: ratios[after])
     path = Mock(steps=[first, second], fit="with both")
     steps = [Mock(rivals_alike=rivals), Mock(rivals_alike=())]
     assert module._verdict(Mock(), path, steps, explained=False) is verdict

@@ -1,6 +1,6 @@
 """One round of the search: every suspect beside the accepted effects, the best candidates fitted."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import suppress
 
 import numpy as np
@@ -22,6 +22,7 @@ from modallab.diagnosis.searching.round_settings import ROUND
 from modallab.diagnosis.searching.scan_settings import LOSS
 from modallab.diagnosis.searching.scanning import StartingPoint, scan
 from modallab.diagnosis.searching.search_path import kind_and_place
+from modallab.diagnosis.searching.settings import ACCEPTANCE
 from modallab.diagnosis.searching.single_lines import visible_at_single_lines
 from modallab.diagnosis.searching.suspects import Suspects
 from modallab.rig.effect import EFFECTS, Effect
@@ -182,15 +183,15 @@ class _Round:
                 yield effect, cost
 
     def _fit_neighbours(self) -> None:
-        """Fit the best effects of the structure at adjoining places too, on and on while one is better.
+        """Fit the best effects of the structure at adjoining places too, on and on while one does as well.
 
         Coarse predictions may mistake a place for its neighbour: nuisance parameters enter them linearly.
         """
         for kind in self._best_kinds():
-            last = None
-            while (best := self._best_of(kind)) is not last:
-                last = best
-                for effect in neighbouring_effects(best.effects[-1], self._predictor.system):
+            left: set[tuple[str, str]] = set()
+            while (found := self._nearly_best(kind, left)) is not None:
+                left.add(kind_and_place(found.effects[-1]))
+                for effect in neighbouring_effects(found.effects[-1], self._predictor.system):
                     if self._is_budget_spent:
                         return
                     if kind_and_place(effect) in self._suspected - self._fitted:
@@ -272,12 +273,19 @@ class _Round:
         kinds = dict.fromkeys(effect.kind for effect in likely if effect.structural)
         return list(kinds)[: ROUND.kinds_at_neighbours]
 
-    def _best_of(self, kind: str) -> Fit:
-        return min((f for f in self.fits if f.effects[-1].kind == kind), key=Fit.bic_between_kinds)
+    def _nearly_best(self, kind: str, left: Collection[tuple[str, str]]) -> Fit | None:
+        """Return the best fit of a kind, not at a place that was left, if it does as well as the best."""
+        of_kind = [found for found in self.fits if found.effects[-1].kind == kind]
+        limit = min(found.chi_square for found in of_kind) + ACCEPTANCE.equivalence_chi_square
+        alike = [f for f in of_kind if f.chi_square <= limit and kind_and_place(f.effects[-1]) not in left]
+        return min(alike, key=Fit.bic_between_kinds, default=None)
 
     def fit_rivals_from_explanation(self) -> None:
-        """Fit the rivals of an explanation from its tolerances too."""
-        if self.explanation is not None and self.fits:
+        """Fit the rivals of an explanation from its tolerances too.
+
+        Near the data parameters act linearly, and every start leads to the same minimum.
+        """
+        if self.explanation is not None and self.fits and not self._base.is_near_data:
             best = min(self.fits, key=Fit.bic_between_kinds)
             self.fits = fitted_from_explanation(self._predictor, self._accepted, self.fits, best)
 

@@ -23,6 +23,7 @@ from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.round_settings import ROUND
 from modallab.diagnosis.searching.scanning import StartingPoint, scan
 from modallab.diagnosis.searching.search_round import fit_candidates
+from modallab.diagnosis.searching.settings import ACCEPTANCE
 from modallab.diagnosis.searching.suspects import Suspects
 from modallab.effects.attached_oscillator import AttachedOscillator
 from modallab.effects.cubic_stiffness import CubicStiffness
@@ -73,6 +74,20 @@ def test_a_neighbour_that_the_scan_did_not_list_may_be_the_explanation(
         predictor, fit(predictor, ()), suspects, progress=silent, explains=lambda _: True
     )
     assert best.effects[-1].at == hidden.at
+
+
+def test_neighbours_of_every_place_that_does_as_well_are_fitted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An oscillator on a frame was named three nodes away: four places did as well, two were fitted."""
+    predictor, _ = predicting(draw_measurement(rig(noise=0.1), [ExtraMass(Dof(6, "Y"), 0.001)]))
+    starts = [StartingPoint(ExtraMass(Dof(3, "Y"), 0.001), 0.03)]
+    monkeypatch.setattr(module, "scan", lambda *_: starts)
+    suspects = Suspects([ExtraMass(Dof(node, "Y")) for node in range(1, 10)])
+    fits = fit_candidates(predictor, fit(predictor, ()), suspects, progress=silent)
+    places = {f.effects[-1].at.node: f.chi_square for f in fits if isinstance(f.effects[-1].at, Dof)}
+    limit = min(places.values()) + ACCEPTANCE.equivalence_chi_square
+    alike = {node for node, chi_square in places.items() if chi_square <= limit}
+    assert len(alike) > 1  # among them 2, which has but one neighbour in common with the best
+    assert all({node - 1, node + 1} - {0, 10} <= set(places) for node in alike)
 
 
 def test_a_mass_at_the_end_of_the_member_that_is_nearest_to_it_is_fitted(
