@@ -44,14 +44,21 @@ class SearchTask:
     ) -> tuple[SearchResult, Tolerances | None]:
         """Return the result of the search, and the assumed tolerances if they were needed.
 
-        It begins anew, once, if effects come near all data but FRFs that were held out.
+        It begins anew, once, if effects come near all data but FRFs that were held out; unless the same
+        effects explain the measurement with others held out.
         """
-        found = self._search(stated, assumed, pulse)
-        path = found[0].path
-        if not path.steps or not path.fit.is_near_data or not found[0].unexplained_parts:
-            return found
-        tests = self.tests.sparing_outliers_of(found[0])
-        return found if tests is None else replace(self, tests=tests)._search(stated, assumed, pulse)
+        found, needed = self._search(stated, assumed, pulse)
+        path = found.path
+        if not path.steps or not path.fit.is_near_data or not found.unexplained_parts:
+            return found, needed
+        tests = self.tests.sparing_outliers_of(found)
+        if tests is None:
+            return found, needed
+        second = tests.fit_without_effects(stated if needed is None else needed, pulse)
+        same = refitted_path(path, second)
+        if same is not None:
+            return replace(second, path=same), needed
+        return replace(self, tests=tests)._search(stated, assumed, pulse)
 
     def _search(
         self, stated: Tolerances, assumed: Tolerances | None, pulse: Pulse
