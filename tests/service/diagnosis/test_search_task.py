@@ -26,5 +26,5 @@ def test_what_explains_with_other_frfs_held_out_is_not_searched_for_anew(
     monkeypatch.setattr(SearchTask, "_search", search)
     monkeypatch.setattr(search_task, "refitted_path", lambda *_: path if explains else None)
     result, _ = SearchTask(tests, None, 3).run(Tolerances(), None, Mock())
-    assert searched == [tests] if explains else [tests, others]
+    assert searched == ([tests] if explains else [tests, others])
     assert (result.path is path) == explains
