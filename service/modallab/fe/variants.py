@@ -10,7 +10,7 @@ from modallab.fe.attachment import Attachment, attached_stiffness, merged, stack
 from modallab.fe.common_attachments import split_common
 from modallab.fe.condensation import condense_if_cheaper
 from modallab.fe.modes import ModalResponse
-from modallab.fe.receptance import attached, with_attached_stiffness
+from modallab.fe.receptance import with_attached_stiffness
 from modallab.fe.settings import RECEPTANCE
 from modallab.fe.small_systems import solve_small
 from modallab.fe.system import DynamicSystem
@@ -37,14 +37,12 @@ def attached_variants(
     """
     common, parts = split_common(systems)
     specific = _without_repeated_motions(parts)
+    stacks = [stacked_columns(len(inputs_of[0]), attachments) for attachments in specific]
+    widths = [stack.shape[1] for stack in stacks]
+    if len(set(widths)) > 1:
+        return _of_each_width(widths, systems, omega, outputs_of, inputs_of)
     loaded = condense_if_cheaper(replace(systems[0], attachments=common), len(omega))
     response = loaded.base_modes(float(omega.real.max()) / (2 * np.pi)).at(omega)
-    stacks = [stacked_columns(len(inputs_of[0]), attachments) for attachments in specific]
-    widths = {stack.shape[1] for stack in stacks}
-    if len(widths) > 1:  # variants of different sizes cannot be stacked
-        response = systems[0].base_modes(float(omega.real.max()) / (2 * np.pi)).at(omega)
-        variants = zip(systems, outputs_of, inputs_of, strict=True)
-        return np.array([attached(response, *variant) for variant in variants])
     columns: dict[bytes, int] = {}
 
     def places(block: FloatArray) -> list[int]:
@@ -58,10 +56,26 @@ def attached_variants(
     a, b = np.broadcast_arrays(np.array(rows)[:, :, None], np.array(input_places)[:, None, :])
     alpha = _attached_pairs(response, loaded, motions, a.ravel(), b.ravel())
     bare = np.moveaxis(alpha.reshape(-1, *a.shape), 0, 1)
-    if widths == {0}:
+    if not any(widths):
         return bare
     z = np.array([attached_stiffness(attachments, response.omega) for attachments in specific])
     return with_attached_stiffness(bare, z)
+
+
+def _of_each_width(
+    widths: Sequence[int],
+    systems: Sequence[DynamicSystem],
+    omega: FloatArray,
+    outputs_of: Sequence[FloatArray],
+    inputs_of: Sequence[FloatArray],
+) -> ComplexArray:
+    """Return `attached_variants`, those with as many columns of specific attachments together."""
+    alpha = np.empty((len(systems), len(omega), outputs_of[0].shape[1], inputs_of[0].shape[1]), complex)
+    for width in set(widths):
+        alike = [i for i, own in enumerate(widths) if own == width]
+        outputs, inputs = ([given[i] for i in alike] for given in (outputs_of, inputs_of))
+        alpha[alike] = attached_variants([systems[i] for i in alike], omega, outputs, inputs)
+    return alpha
 
 
 def _without_repeated_motions(variants: Sequence[tuple[Attachment, ...]]) -> Sequence[tuple[Attachment, ...]]:
