@@ -188,9 +188,9 @@ class _Round:
         Coarse predictions may mistake a place for its neighbour: nuisance parameters enter them linearly.
         """
         for kind in self._best_kinds():
-            left: set[tuple[str, str]] = set()
-            while (found := self._nearly_best(kind, left)) is not None:
-                left.add(kind_and_place(found.effects[-1]))
+            explored: set[tuple[str, str]] = set()
+            while (found := self._nearly_best(kind, explored)) is not None:
+                explored.add(kind_and_place(found.effects[-1]))
                 for effect in neighbouring_effects(found.effects[-1], self._predictor.system):
                     if self._is_budget_spent:
                         return
@@ -273,11 +273,15 @@ class _Round:
         kinds = dict.fromkeys(effect.kind for effect in likely if effect.structural)
         return list(kinds)[: ROUND.kinds_at_neighbours]
 
-    def _nearly_best(self, kind: str, left: Collection[tuple[str, str]]) -> Fit | None:
-        """Return the best fit of a kind, not at a place that was left, if it does as well as the best."""
+    def _nearly_best(self, kind: str, explored: Collection[tuple[str, str]]) -> Fit | None:
+        """Return the best fit of a kind at a place not explored, if it does as well as the best of all."""
         of_kind = [found for found in self.fits if found.effects[-1].kind == kind]
-        limit = min(found.chi_square for found in of_kind) + ACCEPTANCE.equivalence_chi_square
-        alike = [f for f in of_kind if f.chi_square <= limit and kind_and_place(f.effects[-1]) not in left]
+        limit = min(found.bic_between_kinds() for found in of_kind) + ACCEPTANCE.equivalence_chi_square
+        alike = [
+            found
+            for found in of_kind
+            if found.bic_between_kinds() <= limit and kind_and_place(found.effects[-1]) not in explored
+        ]
         return min(alike, key=Fit.bic_between_kinds, default=None)
 
     def fit_rivals_from_explanation(self) -> None:
