@@ -47,17 +47,17 @@ class SearchTask:
         It begins anew, once, if effects come near all data but FRFs that were held out; unless the same
         effects explain the measurement with others held out.
         """
-        found, needed = self._search(stated, assumed, pulse)
+        found, tolerances = self._search(stated, assumed, pulse)
         path = found.path
         if not path.steps or not path.fit.is_near_data or not found.unexplained_parts:
-            return found, needed
+            return found, tolerances
         tests = self.tests.sparing_outliers_of(found)
         if tests is None:
-            return found, needed
-        second = tests.fit_without_effects(stated if needed is None else needed, pulse)
-        same = refitted_path(path, second)
-        if same is not None:
-            return replace(second, path=same), needed
+            return found, tolerances
+        second = tests.fit_without_effects(tolerances or stated, pulse)
+        refitted = refitted_path(path, second)
+        if refitted is not None:
+            return replace(second, path=refitted), tolerances
         return replace(self, tests=tests)._search(stated, assumed, pulse)
 
     def _search(

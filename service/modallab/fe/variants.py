@@ -40,7 +40,7 @@ def attached_variants(
     stacks = [stacked_columns(len(inputs_of[0]), attachments) for attachments in specific]
     widths = [stack.shape[1] for stack in stacks]
     if len(set(widths)) > 1:
-        return _of_each_width(widths, systems, omega, outputs_of, inputs_of)
+        return _by_width(widths, systems, omega, outputs_of, inputs_of)
     loaded = condense_if_cheaper(replace(systems[0], attachments=common), len(omega))
     response = loaded.base_modes(float(omega.real.max()) / (2 * np.pi)).at(omega)
     columns: dict[bytes, int] = {}
@@ -62,7 +62,7 @@ def attached_variants(
     return with_attached_stiffness(bare, z)
 
 
-def _of_each_width(
+def _by_width(
     widths: Sequence[int],
     systems: Sequence[DynamicSystem],
     omega: FloatArray,

@@ -190,7 +190,7 @@ def _minimise_far_from_noise(minimum: BoundedGaussNewton, rules: StepRules) -> N
     for _ in range(FIT.max_continuations):
         before = minimum.cost
         converged = minimum.minimise(rules)
-        if converged or minimum.cost < rules.goal or minimum.cost > FIT.rapid_fall * before:
+        if converged or minimum.cost < rules.goal or minimum.cost > FIT.continuation_ratio * before:
             return
 
 

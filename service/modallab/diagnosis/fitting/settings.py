@@ -50,7 +50,7 @@ class FitSettings(Settings):
         doc="times as many evaluations of a fit near the data, until it converges",
         tuned="a spring on a student's cantilever: 1,200 squares above its minimum after the first ones",
     )
-    rapid_fall: float = setting(
+    continuation_ratio: float = setting(
         0.03,
         doc="share of the squares below which steps that were cut off go on",
         tuned="a mass on a fine bar: squares of 1e5 fell to 3.4 in twelve steps, to 1.0 in fourteen",

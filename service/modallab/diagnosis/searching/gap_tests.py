@@ -43,54 +43,64 @@ def unexplained_parts(predictor: Predictor, candidate: Fit, *, max_lag: int | No
         unknown noise level: a search takes lines more than a few apart for independent and continues where
         a gap is not small. None asks for a large gap: a verdict has to be sure.
     """
-    observed, found = predictor.observed, _beside_noise_levels(predictor, candidate)
-    fitted = _parts_above_noise(observed, found, observed.fitted, {}, max_lag)
-    held_out = _parts_above_noise(observed, found, observed.held_out_mask, {}, max_lag)
-    if not fitted and held_out and len(predictor.nuisances):
-        variance = candidate.prediction_variance
-        held_out = _parts_above_noise(observed, found, observed.held_out_mask, variance, max_lag)
+    fitted, held_out = _parts_with_excess(predictor, candidate, max_lag)
     return fitted | held_out | parts_with_wide_errors(predictor, candidate, max_lag=max_lag)
 
 
-def leaves_nothing_to_fit(predictor: Predictor, before: Fit, candidate: Fit) -> bool:
-    """Return whether fitted data are noise alone, and held-out data nearly so.
+def has_no_lack_of_fit(predictor: Predictor, reference: Fit, candidate: Fit) -> bool:
+    """Return whether fitted data show no lack of fit, and held-out data hardly any.
 
-    No further effect has anything to explain then, though a verdict may still find the held-out gap too
-    large: where a model is a little wrong everywhere, it is predicted a little wrong at other places too.
+    A further effect has nothing to explain then, though a verdict may still call the held-out gap too large:
+    the errors of a model that is a little wrong everywhere differ from place to place.
 
     Parameters
     ----------
-    before
-        Fit without the effects.
+    reference
+        Fit without the effects of the candidate.
     """
-    if is_noise_only(predictor, candidate):
-        return True
-    observed, lag = predictor.observed, ACCEPTANCE.correlated_lines
-    found = _beside_noise_levels(predictor, candidate)
-    if _parts_above_noise(observed, found, observed.fitted, {}, lag):
+    lag, mask = ACCEPTANCE.correlated_lines, predictor.observed.held_out_mask
+    fitted, held_out = _parts_with_excess(predictor, candidate, lag)
+    if fitted or parts_with_wide_errors(predictor, candidate, max_lag=lag):
         return False
-    if not observed.held_out_mask.any() or parts_with_wide_errors(predictor, candidate, max_lag=lag):
-        return False
-    return excess_ratio(before, candidate, observed.held_out_mask) < ACCEPTANCE.held_out_share
+    return not held_out or excess_ratio(reference, candidate, mask) < ACCEPTANCE.held_out_excess_ratio
+
+
+def _parts_with_excess(
+    predictor: Predictor, candidate: Fit, max_lag: int | None
+) -> tuple[set[str], set[str]]:
+    """Return the parts whose gap is larger than by chance, on fitted and on held-out data."""
+    observed, residual = predictor.observed, _beside_noise_levels(predictor, candidate)
+    fitted = _parts_above_noise(observed, residual, observed.fitted, {}, max_lag)
+    held_out = _parts_above_noise(observed, residual, observed.held_out_mask, {}, max_lag)
+    if not fitted and held_out and len(predictor.nuisances):
+        variance = candidate.prediction_variance
+        held_out = _parts_above_noise(observed, residual, observed.held_out_mask, variance, max_lag)
+    return fitted, held_out
 
 
 def _parts_above_noise(
-    observed: Observed, found: Residual, mask: BoolArray, allowed: Mapping[str, float], max_lag: int | None
+    observed: Observed,
+    residual: Residual,
+    mask: BoolArray,
+    prediction_variance: Mapping[str, float],
+    max_lag: int | None,
 ) -> set[str]:
     """Return the parts of the gap that are larger than by chance, and by the error of predictions.
 
     Parameters
     ----------
-    allowed
+    prediction_variance
         Variance of residuals by errors of fitted parameters, over that of noise, by part.
     """
-    errors = gap_errors(observed, found, mask, max_lag=max_lag)
+    errors = gap_errors(observed, residual, mask, max_lag=max_lag)
     limits = {
         part: largest_gap_by_chance(float(np.hypot(error, observed.scale_error)))
         for part, error in errors.items()
     }
-    gaps = found.gaps(mask)
-    return {part for part, gap in gaps.items() if gap > limits[part] * (1 + allowed.get(part, 0.0))}
+    gaps = residual.gaps(mask)
+    return {
+        part for part, gap in gaps.items() if gap > limits[part] * (1 + prediction_variance.get(part, 0.0))
+    }
 
 
 def _beside_noise_levels(predictor: Predictor, candidate: Fit) -> Residual:

@@ -10,7 +10,7 @@ from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import is_significant, variance_inflation
 from modallab.diagnosis.searching.common_deviation import with_common_deviation
 from modallab.diagnosis.searching.equivalent_fits import without_undetermined_effects
-from modallab.diagnosis.searching.gap_tests import excess_ratio, is_noise_only, leaves_nothing_to_fit
+from modallab.diagnosis.searching.gap_tests import excess_ratio, has_no_lack_of_fit, is_noise_only
 from modallab.diagnosis.searching.multiple_elements import multiple_elements, verify
 from modallab.diagnosis.searching.round_settings import ROUND
 from modallab.diagnosis.searching.search_path import (
@@ -63,7 +63,7 @@ def search(
     if first is None:
         first = fit_candidates(predictor, start, suspects, progress=part(progress, 0.05, 0.25))
     elements = None
-    if first and max_effects > 1 and not leaves_nothing_to_fit(predictor, start, first[0]):
+    if first and max_effects > 1 and not has_no_lack_of_fit(predictor, start, first[0]):
         stage = part(progress, 0.25, 0.3)
         elements = multiple_elements(predictor, first[0], suspects, max_effects=max_effects, progress=stage)
     if elements and len(elements.effects) <= SEARCH.pair:
@@ -163,7 +163,7 @@ def _extended(
 
 def _is_complete(predictor: Predictor, path: SearchPath, explains: ExplanationCriterion | None) -> bool:
     """Return whether no effect is missing: what is left is noise, an error of predictions, or tolerated."""
-    if leaves_nothing_to_fit(predictor, path.start, path.fit) or is_prediction_error(predictor, path):
+    if has_no_lack_of_fit(predictor, path.start, path.fit) or is_prediction_error(predictor, path):
         return True
     if explains is None or len(path.steps) < SEARCH.pair:  # of single effects the first round asked already
         return False

@@ -1,6 +1,6 @@
 """One round of the search: every suspect beside the accepted effects, the best candidates fitted."""
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 
 import numpy as np
@@ -11,8 +11,9 @@ from modallab.diagnosis.fitting.coarse_fit import coarse_fit
 from modallab.diagnosis.fitting.fit import Fit, fit, with_optional_parameters
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import ranked_by_bic
+from modallab.diagnosis.searching.equivalent_places import next_equivalent
 from modallab.diagnosis.searching.exciter_resonance import with_resonance_at_lines
-from modallab.diagnosis.searching.gap_tests import leaves_nothing_to_fit
+from modallab.diagnosis.searching.gap_tests import has_no_lack_of_fit
 from modallab.diagnosis.searching.imitation import is_imitated
 from modallab.diagnosis.searching.limiting_fits import with_limiting_effects, with_reduced_model
 from modallab.diagnosis.searching.narrower_errors import with_narrower_errors
@@ -22,7 +23,6 @@ from modallab.diagnosis.searching.round_settings import ROUND
 from modallab.diagnosis.searching.scan_settings import LOSS
 from modallab.diagnosis.searching.scanning import StartingPoint, scan
 from modallab.diagnosis.searching.search_path import kind_and_place
-from modallab.diagnosis.searching.settings import ACCEPTANCE
 from modallab.diagnosis.searching.single_lines import visible_at_single_lines
 from modallab.diagnosis.searching.suspects import Suspects
 from modallab.rig.effect import EFFECTS, Effect
@@ -189,7 +189,7 @@ class _Round:
         """
         for kind in self._best_kinds():
             explored: set[tuple[str, str]] = set()
-            while (found := self._nearly_best(kind, explored)) is not None:
+            while (found := next_equivalent(self.fits, kind, explored)) is not None:
                 explored.add(kind_and_place(found.effects[-1]))
                 for effect in neighbouring_effects(found.effects[-1], self._predictor.system):
                     if self._is_budget_spent:
@@ -273,17 +273,6 @@ class _Round:
         kinds = dict.fromkeys(effect.kind for effect in likely if effect.structural)
         return list(kinds)[: ROUND.kinds_at_neighbours]
 
-    def _nearly_best(self, kind: str, explored: Collection[tuple[str, str]]) -> Fit | None:
-        """Return the best fit of a kind at a place not explored, if it does as well as the best of all."""
-        of_kind = [found for found in self.fits if found.effects[-1].kind == kind]
-        limit = min(found.bic_between_kinds() for found in of_kind) + ACCEPTANCE.equivalence_chi_square
-        alike = [
-            found
-            for found in of_kind
-            if found.bic_between_kinds() <= limit and kind_and_place(found.effects[-1]) not in explored
-        ]
-        return min(alike, key=Fit.bic_between_kinds, default=None)
-
     def fit_rivals_from_explanation(self) -> None:
         """Fit the rivals of an explanation from its tolerances too.
 
@@ -318,7 +307,7 @@ class _Round:
 
     def _explains(self, candidate: Fit) -> bool:
         # Gaps cost more than a fit where power leaks, and only those of fits near the data matter.
-        return candidate.is_near_data and leaves_nothing_to_fit(self._predictor, self._base, candidate)
+        return candidate.is_near_data and has_no_lack_of_fit(self._predictor, self._base, candidate)
 
 
 def _worth_fitting(candidates: Iterable[tuple[float, Effect]]) -> list[tuple[float, Effect]]:

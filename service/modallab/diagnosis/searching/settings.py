@@ -20,7 +20,7 @@ class AcceptanceSettings(Settings):
         doc="difference in BIC above which an added effect is significant",
         derived='"very strong" of Kass and Raftery, J. Am. Stat. Assoc. 90 (1995), 773',
     )
-    held_out_share: float = setting(
+    held_out_excess_ratio: float = setting(
         1e-3,
         doc="share of the held-out gap below which an effect leaves nothing to explain",
         derived="of what the spectra deviated by, a thirtieth is left: an error of the model or the prior",

@@ -55,7 +55,7 @@ def test_steps_that_gain_nearly_all_go_on_to_the_noise(monkeypatch: pytest.Monke
     monkeypatch.setattr(fit_task, "FIT", replace(FIT, max_evaluations=2))
     found = fit(predictor, [start])
     assert found.chi_square < 1.1 * found.n_data  # 2,700 squares scatter by 3 %
-    monkeypatch.setattr(fit_task, "FIT", replace(FIT, max_evaluations=2, rapid_fall=0.0))
+    monkeypatch.setattr(fit_task, "FIT", replace(FIT, max_evaluations=2, continuation_ratio=0.0))
     assert fit(predictor, [start]).chi_square > 10 * found.n_data
 
 

@@ -8,7 +8,7 @@ from modallab.diagnosis.fitting.fit import fit
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.frf_selection import FrfSelection
 from modallab.diagnosis.residuals.observe import observe
-from modallab.diagnosis.searching.gap_tests import is_noise_only, leaves_nothing_to_fit
+from modallab.diagnosis.searching.gap_tests import has_no_lack_of_fit, is_noise_only
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.gain_error import GainError
 from tests.diagnosing import draw_measurement, model, rig
@@ -26,5 +26,5 @@ def test_a_small_error_of_held_out_channels_alone_asks_for_no_further_effect(
     predictor = SingleTestPredictor.of(model(), test.setup, observed)
     before, found = fit(predictor, ()), fit(predictor, [mass])
     assert not is_noise_only(predictor, found)  # 0.2 % is twice the random error
-    assert leaves_nothing_to_fit(predictor, before, found) == finished
-    assert not leaves_nothing_to_fit(predictor, before, before)
+    assert has_no_lack_of_fit(predictor, before, found) == finished
+    assert not has_no_lack_of_fit(predictor, before, before)

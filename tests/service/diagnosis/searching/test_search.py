@@ -66,7 +66,7 @@ def test_where_nothing_can_be_added_is_not_looked_again(
 
     monkeypatch.setattr(module, "fit_candidates", trials)
     monkeypatch.setattr(module, "is_noise_only", lambda *_: False)  # so that it is looked for a second one
-    monkeypatch.setattr(module, "leaves_nothing_to_fit", lambda *_: False)
+    monkeypatch.setattr(module, "has_no_lack_of_fit", lambda *_: False)
     path = search(predictor, fit(predictor, ()), Suspects([]), max_effects=4, progress=silent)
     assert len(path.steps) == 1
     assert looked == [0, 1]
@@ -84,7 +84,7 @@ def test_a_search_ends_at_a_pair_that_later_tolerances_explain(
 
     monkeypatch.setattr(module, "fit_candidates", trials)
     monkeypatch.setattr(module, "is_noise_only", lambda *_: False)
-    monkeypatch.setattr(module, "leaves_nothing_to_fit", lambda *_: False)
+    monkeypatch.setattr(module, "has_no_lack_of_fit", lambda *_: False)
     monkeypatch.setattr(module, "is_significant", lambda *_: True)
     monkeypatch.setattr(module, "excess_ratio", lambda *_: 0.0)
     monkeypatch.setattr(module, "refine_path", lambda _, path: path)  # which would take the second out again
@@ -106,7 +106,7 @@ def test_where_the_best_first_effect_closes_little_no_other_is_followed(
 
     monkeypatch.setattr(module, "fit_candidates", trials)
     monkeypatch.setattr(module, "is_noise_only", lambda *_: False)
-    monkeypatch.setattr(module, "leaves_nothing_to_fit", lambda *_: False)
+    monkeypatch.setattr(module, "has_no_lack_of_fit", lambda *_: False)
     monkeypatch.setattr(module, "is_significant", lambda *_: True)
     monkeypatch.setattr(module, "excess_ratio", lambda *_: left)
     # fits of one cost, so that neither is left out for its own
@@ -146,7 +146,7 @@ def test_beside_a_strong_nonlinear_force_no_effect_is_sought_in_the_errors_of_pr
     monkeypatch.setattr(module, "fit_candidates", trials)
     # It is not acceptance that is tried here.
     monkeypatch.setattr(module, "is_noise_only", lambda *_: False)
-    monkeypatch.setattr(module, "leaves_nothing_to_fit", lambda *_: False)
+    monkeypatch.setattr(module, "has_no_lack_of_fit", lambda *_: False)
     monkeypatch.setattr(module, "is_significant", lambda *_: True)
     path = search(predictor, start, Suspects([]), max_effects=3, progress=silent)
     assert [step.kind_and_place for step in path.steps] == [kind_and_place(force)]
