@@ -139,7 +139,7 @@ def minimised(task: FitTask, max_chi_square: float, *, approach: bool) -> tuple[
         partial_renewals=len(task.free) // FIT.parameters_per_renewal,
     )
     tolerated = len(task.free) * FIT.nuisance_tolerance
-    if np.isfinite(max_chi_square):
+    if minimum.cost > max_chi_square:
         attempt = copy(minimum)
         attempt.minimise(
             StepRules(

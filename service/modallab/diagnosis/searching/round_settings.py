@@ -31,7 +31,7 @@ class RoundSettings(Settings):
     )
     limiting_cost: float = setting(
         100.0,
-        doc="chi-square after a few steps, over the best fit's, above which what that tends to is given up",
+        doc="chi-square after a few steps, over the best fit's, above which a fit is given up",
         tuned="a spring that a heavy oscillator below the band imitates: 50 times, and it explains the test",
     )
     budget_share: float = setting(
@@ -70,8 +70,8 @@ class RoundSettings(Settings):
     )
     same_cost: float = setting(
         0.01,
-        doc="relative difference in cost within which two coarse fits of an effect end in the same minimum",
-        derived="ends of coarse fits differ by less than a hundredth of the cost",
+        doc="relative difference in cost within which two fits of an effect end in the same minimum",
+        derived="ends of fits far from the data differ by less than a hundredth of the cost",
     )
 
 

@@ -89,6 +89,7 @@ class _Round:
         self._max_cost = np.inf  # of a coarse fit
         self._budget_limit = np.inf  # predictions spent when no further fit begins
         self._from_declared: set[tuple[str, str]] = set()
+        self._repeated: set[tuple[str, str]] = set()  # by a fit from declared values that ends alike
         self.fits: list[Fit] = []
         self.explanation: Effect | None = None  # leaves only noise, at the least cost of a coarse fit
 
@@ -225,6 +226,8 @@ class _Round:
         with suppress(InvalidInputError):
             declared = predictor.with_nuisances_at(np.zeros(n))
             other = fit(declared, (*self._accepted, start), approach=True)
+            if abs(other.chi_square / found.chi_square - 1) < ROUND.same_cost:
+                self._repeated.add(kind_and_place(found.effects[-1]))
             if other.chi_square < found.chi_square:
                 self.fits[self.fits.index(found)] = other
                 if self._explains(other):
@@ -265,7 +268,7 @@ class _Round:
         """Return the kinds of the best fits of effects of the structure."""
         explained = self.explanation is not None
         least = min((found.chi_square for found in self.fits), default=0.0)
-        limit = ROUND.competitive_cost * least if explained else np.inf
+        limit = (ROUND.competitive_cost if explained else ROUND.limiting_cost) * least
         near = [found for found in self.fits if found.chi_square <= limit]
         order = [found.effects[-1] for found in sorted(near, key=Fit.bic_between_kinds)]
         # Fits of nonlinear forces cost most: one less probable than an explanation stays where it is.
@@ -285,7 +288,9 @@ class _Round:
     def fit_limits_of_best(self) -> None:
         """Fit what the best effect tends to and its reduced model, which may not have been among the best."""
         predictor, base, suspected = self._predictor, self._base, self._suspected
-        self.fits = with_best_from_base(predictor, base, self.fits)
+        best = min(self.fits, key=Fit.bic_between_kinds, default=None)
+        if best is not None and kind_and_place(best.effects[-1]) not in self._repeated:
+            self.fits = with_best_from_base(predictor, base, self.fits)
         self.fits = with_limiting_effects(predictor, base, self.fits, suspected)
         unfitted = suspected - self._fitted - {kind_and_place(found.effects[-1]) for found in self.fits}
         self.fits = with_reduced_model(predictor, base, self.fits, unfitted)
@@ -295,9 +300,11 @@ class _Round:
             return
         self._fitted.add(kind_and_place(effect))
         with suppress(InvalidInputError):
-            candidate = fit(self._predictor, (*self._accepted, effect), near=self._base)
-            candidate = with_narrower_errors(self._predictor, candidate, self._base)
             lowest = min((fitted.chi_square for fitted in self.fits), default=np.inf)
+            limit = ROUND.limiting_cost * lowest
+            effects = (*self._accepted, effect)
+            candidate = fit(self._predictor, effects, near=self._base, max_chi_square=limit)
+            candidate = with_narrower_errors(self._predictor, candidate, self._base)
             if candidate.chi_square < ROUND.optional_cost * lowest:
                 candidate = with_resonance_at_lines(self._predictor, candidate, self._base)
                 candidate = with_optional_parameters(self._predictor, candidate, self._base)

@@ -397,3 +397,44 @@ def test_beside_a_known_explanation_its_rivals_alone_are_fitted(monkeypatch: pyt
     assert found[0] is known
     assert str(hidden.at) not in begun
     assert len(begun) == ROUND.min_fits - 1
+
+
+def test_a_fit_far_above_the_best_one_is_given_up_after_a_few_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    hidden, other = ExtraMass(Dof(6, "Y"), 0.05), StiffnessError(Members((2,)), 0.9)
+    starts = [StartingPoint(effect, 0.03) for effect in (hidden, other)]
+    monkeypatch.setattr(module, "scan", lambda *_: starts)
+    limits: dict[str, float] = {}
+
+    def recorded(predictor: Predictor, effects: Sequence[Effect], **given: Any) -> Fit:
+        limits.setdefault(effects[-1].kind, given.get("max_chi_square", np.inf))
+        return fit(predictor, effects, **given)
+
+    monkeypatch.setattr(module, "fit", recorded)
+    predictor, _ = predicting(draw_measurement(rig(), [hidden]))
+    best, *_ = fit_candidates(predictor, fit(predictor, ()), Suspects([hidden, other]), progress=silent)
+    assert limits == {"extra_mass": np.inf, "stiffness_error": ROUND.limiting_cost * best.chi_square}
+
+
+@pytest.mark.parametrize(("ratio", "n_restarted"), [(1 + ROUND.same_cost / 2, 0), (1.5, 1)])
+def test_an_effect_is_not_fitted_from_a_third_start_where_two_end_alike(
+    ratio: float, n_restarted: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    restarted: list[Fit] = []
+
+    def noted(_predictor: Predictor, base: Fit, fits: Sequence[Fit]) -> list[Fit]:
+        restarted.append(base)
+        return list(fits)
+
+    predictor, _ = predicting(draw_measurement(rig(), [ExtraMass(Dof(6, "Y"), 0.05)]))
+    ordinary = Tolerances.preset(TolerancePreset.ORDINARY)
+    predictor = predictor.with_nuisances(nuisance_parameters(ordinary, predictor.system, predictor.setup))
+    base = fit(predictor, ())
+    found = replace(base, effects=(ExtraMass(Dof(5, "Y")),), chi_square=100.0 * base.n_data)
+    candidates = module._Round(predictor, base, set())
+    candidates.fits = [found]
+    monkeypatch.setattr(module, "with_best_from_base", noted)
+    monkeypatch.setattr(module, "with_limiting_effects", lambda _, __, fits, ___: fits)
+    monkeypatch.setattr(module, "fit", lambda *_, **__: replace(found, chi_square=ratio * found.chi_square))
+    candidates._fit_one_from_declared(found)
+    candidates.fit_limits_of_best()
+    assert len(restarted) == n_restarted
