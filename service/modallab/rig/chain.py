@@ -8,6 +8,7 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
+from modallab.fe.condensation import condense_if_cheaper
 from modallab.fe.receptance import attached
 from modallab.fe.system import DynamicSystem
 from modallab.fe.variants import attached_variants
@@ -179,7 +180,8 @@ class Chain:
         if all(system.mass is first.mass for system in systems):
             return attached_variants(systems, omega, outputs, inputs)
         # An effect rebuilt the structure from run to run: each brings its own modes.
-        variants = zip(systems, outputs, inputs, strict=True)
+        condensed = [condense_if_cheaper(system, len(omega)) for system in systems]
+        variants = zip(condensed, outputs, inputs, strict=True)
         return np.array([attached(s.base_modes(top).at(omega), s, *columns) for s, *columns in variants])
 
     def poles(self) -> tuple[FloatArray, FloatArray]:

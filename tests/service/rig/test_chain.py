@@ -8,12 +8,15 @@ import pytest
 from modallab.core.dof import Dof
 from modallab.core.errors import UnknownDofError
 from modallab.core.place import Channels, EffectSpec, Members
+from modallab.effects.drift import Drift
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.gain_error import GainError
 from modallab.effects.stiffness_error import StiffnessError
 from modallab.fe.assembly import assemble
+from modallab.fe.condensation import FOLDED_SYSTEMS
 from modallab.fe.damping import StructuralDamping
 from modallab.fe.receptance import direct_receptance
+from modallab.fe.settings import RECEPTANCE
 from modallab.fe.structure import PointMass
 from modallab.rig.chain import all_effects, chain
 from modallab.rig.hardware import Accelerometers, Exciter, ForceTransducer, Noise
@@ -47,6 +50,23 @@ def test_fixed_accelerometers_load_the_structure_all_at_once() -> None:
     np.testing.assert_allclose(
         bench.respond(FREQ).inertance[0, ..., 0], wanted, rtol=1e-7, atol=1e-9 * np.abs(wanted).max()
     )
+
+
+def test_runs_of_a_drifting_structure_with_many_altered_members_fold_these_into_its_matrices() -> None:
+    """With columns of every member at every line such a test took ten times as long."""
+    nodes, freq = (1, 7, 21), np.linspace(2.0, 800.0, 3000)
+    setup = rig(*nodes, accelerometers=Accelerometers(0.02, roving=True))
+    altered = [StiffnessError(Members((number,)), 0.9) for number in range(3, 9)]
+    found = chain(beam_system(), setup, [*altered, Drift(change=-0.02)])
+    inertance = found.respond(freq).inertance[..., ::300, 0, 0]
+    for run, wanted_of_run in zip(found.runs, inertance, strict=True):
+        assert run.system.stacked_columns.shape[1] > RECEPTANCE.woodbury_columns
+        (response,) = run.responses
+        outputs, inputs = run.system.selection((response.dof,)), run.system.selection(dofs(1))
+        alpha = direct_receptance(run.system, freq[::300], outputs, inputs)[:, 0, 0]
+        wanted = -((2 * np.pi * freq[::300]) ** 2) * alpha
+        np.testing.assert_allclose(wanted_of_run, wanted, rtol=1e-6, atol=1e-9 * np.abs(wanted).max())
+    assert all(run.system.cache.entries(FOLDED_SYSTEMS) for run in found.runs)
 
 
 def test_two_channels_at_one_place_measure_the_same() -> None:
