@@ -24,6 +24,7 @@ from modallab.diagnosis.searching.gap_tests import is_noise_only
 from modallab.diagnosis.searching.search import ExplanationCriterion, is_prediction_error, search
 from modallab.diagnosis.searching.search_path import SearchPath
 from modallab.diagnosis.searching.search_round import fit_candidates
+from modallab.diagnosis.searching.settings import SEARCH
 from modallab.diagnosis.searching.suspects import Suspects, suspected
 from modallab.diagnosis.settings import DIAGNOSIS
 
@@ -48,6 +49,9 @@ class SearchTask:
         effects explain the measurement with others held out.
         """
         found, tolerances = self._search(stated, assumed, pulse)
+        exact = self._pair_of_exact_model(found, stated, pulse) if tolerances is not None else None
+        if exact is not None:
+            return exact, None
         path = found.path
         if not path.steps or not path.fit.is_near_data or not found.unexplained_parts:
             return found, tolerances
@@ -59,6 +63,27 @@ class SearchTask:
         if refitted is not None:
             return replace(second, path=refitted), tolerances
         return replace(self, tests=tests)._search(stated, assumed, pulse)
+
+    def _pair_of_exact_model(
+        self, found: SearchResult, stated: Tolerances, pulse: Pulse
+    ) -> SearchResult | None:
+        """Return up to two effects under the stated tolerances, in place of assumed ones that deviate far.
+
+        None unless assumed tolerances that suggest an effect leave random error alone, beside one at most,
+        and the effects leave it alone in FRFs without them.
+
+        Parameters
+        ----------
+        found
+            Result of the search under the assumed tolerances.
+        """
+        if len(found.path.steps) >= SEARCH.pair or self.max_effects < SEARCH.pair or found.unexplained_parts:
+            return None
+        if not _suggest_effect(found, stated):
+            return None
+        first = self.tests.fit_without_effects(stated, pulse)
+        exact = self._search_from(first, SEARCH.pair, part(pulse, 0.75, 1.0))
+        return exact if _explains_frfs(exact) else None
 
     def _search(
         self, stated: Tolerances, assumed: Tolerances | None, pulse: Pulse
@@ -229,9 +254,9 @@ class SearchTask:
         return Suspects(suspected(predictor, self.suspects), least_suspicion)
 
 
-def _suggest_effect(second: SearchResult, stated: Tolerances) -> bool:
+def _suggest_effect(under_assumed: SearchResult, stated: Tolerances) -> bool:
     """Return whether deviations within assumed tolerances make an effect likelier."""
-    nuisances, found = second.predictor.nuisances, second.path.fit
+    nuisances, found = under_assumed.predictor.nuisances, under_assumed.path.fit
     return deviate_far(nuisances, found, stated) or deviates_alone(nuisances, found, stated)
 
 

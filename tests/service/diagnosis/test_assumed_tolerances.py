@@ -24,9 +24,11 @@ from modallab.diagnosis.search_result import SearchResult
 from modallab.diagnosis.searching import search_round
 from modallab.diagnosis.searching.search import search
 from modallab.diagnosis.searching.search_path import SearchPath
+from modallab.effects.density_error import DensityError
 from modallab.effects.exciter_armature import ExciterArmature
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.gain_error import GainError
+from modallab.effects.loss_factor_error import LossFactorError
 from modallab.effects.stiffness_error import StiffnessError
 from modallab.rig.effect import Effect
 from modallab.rig.measure import Route
@@ -322,3 +324,20 @@ def test_what_changes_spectra_alone_is_searched_for_where_one_effect_explains_th
     found = diagnosed(*hidden, max_effects=2, suspects=(*SUSPECTS, "exciter_armature"))
     assert found.verdict is Verdict.EXPLAINED
     assert {step.effect.kind for step in found.steps} == {"extra_mass", "exciter_armature"}
+
+
+def test_two_effects_of_an_exact_model_come_before_tolerances_that_deviate_as_far() -> None:
+    """Density 3 % high was taken for modulus and density within 3 standard deviations of their tolerances."""
+    hidden = LossFactorError(factor=0.6), DensityError(factor=1.03)
+    found = diagnosed(*hidden, max_effects=3, suspects=("loss_factor_error", "density_error", "extra_mass"))
+    assert found.verdict is Verdict.EXPLAINED
+    assert {(step.effect.kind, step.effect.at) for step in found.steps} == {
+        ("loss_factor_error", None),
+        ("density_error", None),
+    }
+
+
+def test_tolerances_that_deviate_by_chance_are_not_searched_for_an_effect() -> None:
+    hidden = LossFactorError(factor=0.4), StiffnessError(factor=1.01)  # one standard deviation
+    found = diagnosed(*hidden, UNEVEN, max_effects=3, suspects=("loss_factor_error", *SUSPECTS))
+    assert [step.effect.kind for step in found.steps] == ["loss_factor_error"]
