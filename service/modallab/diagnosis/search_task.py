@@ -49,7 +49,7 @@ class SearchTask:
         effects explain the measurement with others held out.
         """
         found, tolerances = self._search(stated, assumed, pulse)
-        exact = self._pair_of_exact_model(found, stated, pulse) if tolerances is not None else None
+        exact = self._effects_of_exact_model(found, stated, pulse) if tolerances is not None else None
         if exact is not None:
             return exact, None
         path = found.path
@@ -64,7 +64,7 @@ class SearchTask:
             return replace(second, path=refitted), tolerances
         return replace(self, tests=tests)._search(stated, assumed, pulse)
 
-    def _pair_of_exact_model(
+    def _effects_of_exact_model(
         self, found: SearchResult, stated: Tolerances, pulse: Pulse
     ) -> SearchResult | None:
         """Return up to two effects under the stated tolerances, in place of assumed ones that deviate far.
