@@ -49,9 +49,6 @@ class SearchTask:
         effects explain the measurement with others held out.
         """
         found, tolerances = self._search(stated, assumed, pulse)
-        exact = self._effects_of_exact_model(found, stated, pulse) if tolerances is not None else None
-        if exact is not None:
-            return exact, None
         path = found.path
         if not path.steps or not path.fit.is_near_data or not found.unexplained_parts:
             return found, tolerances
@@ -64,42 +61,56 @@ class SearchTask:
             return replace(second, path=refitted), tolerances
         return replace(self, tests=tests)._search(stated, assumed, pulse)
 
-    def _effects_of_exact_model(
-        self, found: SearchResult, stated: Tolerances, pulse: Pulse
-    ) -> SearchResult | None:
-        """Return up to two effects under the stated tolerances, in place of assumed ones that deviate far.
-
-        None unless assumed tolerances that suggest an effect leave random error alone, beside one at most,
-        and the effects leave it alone in FRFs without them.
-
-        Parameters
-        ----------
-        found
-            Result of the search under the assumed tolerances.
-        """
-        if len(found.path.steps) >= SEARCH.pair or self.max_effects < SEARCH.pair or found.unexplained_parts:
-            return None
-        if not _suggest_effect(found, stated):
-            return None
-        first = self.tests.fit_without_effects(stated, pulse)
-        exact = self._search_from(first, SEARCH.pair, part(pulse, 0.75, 1.0))
-        return exact if _explains_frfs(exact) else None
-
     def _search(
         self, stated: Tolerances, assumed: Tolerances | None, pulse: Pulse
     ) -> tuple[SearchResult, Tolerances | None]:
         """Return what `run` does for FRFs that are held out as they are.
 
-        The stated tolerances come first: a model that is exact loses nothing by those assumed. They are not
-        searched further where the assumed ones leave random error alone, beside one effect at most. If
-        the nuisance parameters then deviate far, or one tolerance alone, a single effect that leaves random
-        error alone under the stated tolerances is preferred. Where the assumed ones alone come much nearer
-        the data the search under them comes first: the model is wrong in many places.
+        The stated tolerances come first: a model that is exact loses nothing by those assumed.
         """
         pulse(0.0, "predicting the tests from model and log book")
         first = self.tests.fit_without_effects(stated, pulse)
         if assumed is None or is_noise_only(first.predictor, first.path.fit):
             return self._search_from(first, self.max_effects, pulse), None
+        found, tolerances = self._search_under_both(first, stated, assumed, pulse)
+        if tolerances is not None:
+            exact = self._effects_of_exact_model(first, found, stated, part(pulse, 0.75, 1.0))
+            if exact is not None:
+                return exact, None
+        return found, tolerances
+
+    def _effects_of_exact_model(
+        self, first: SearchResult, found: SearchResult, stated: Tolerances, progress: Progress
+    ) -> SearchResult | None:
+        """Return a search that explains the tests under the stated tolerances by up to two effects.
+
+        It is made where the assumed tolerances explain them, beside one effect at most, by deviations so
+        improbable that an effect is likelier. None if it is not made, or explains less.
+
+        Parameters
+        ----------
+        first
+            The fit without any effect under the stated tolerances.
+        found
+            The result under the assumed tolerances.
+        """
+        if len(found.path.steps) >= SEARCH.pair or self.max_effects < SEARCH.pair:
+            return None
+        if found.unexplained_parts or not _suggest_effect(found, stated):
+            return None
+        exact = self._search_from(first, SEARCH.pair, progress)
+        return None if exact.unexplained_parts else exact
+
+    def _search_under_both(
+        self, first: SearchResult, stated: Tolerances, assumed: Tolerances, pulse: Pulse
+    ) -> tuple[SearchResult, Tolerances | None]:
+        """Return what `run` does where the stated tolerances alone leave more than random error.
+
+        They are not searched further where the assumed ones leave random error alone, beside one effect at
+        most. If the nuisance parameters then deviate far, or one tolerance alone, a single effect that leaves
+        random error alone under the stated tolerances is preferred. Where the assumed ones alone come much
+        nearer the data the search under them comes first: the model is wrong in many places.
+        """
         # Stated tolerances are compared with them; without any, only whether they come near the data counts.
         complete = any(stated.stated.values())
         second = self.tests.fit_without_effects(assumed, pulse, complete=complete)

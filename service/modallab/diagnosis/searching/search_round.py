@@ -89,7 +89,7 @@ class _Round:
         self._max_cost = np.inf  # of a coarse fit
         self._budget_limit = np.inf  # predictions spent when no further fit begins
         self._from_declared: set[tuple[str, str]] = set()
-        self._repeated: set[tuple[str, str]] = set()  # by a fit from declared values that ends alike
+        self._repeated: set[tuple[str, str]] = set()  # whose fits from declared values ended alike
         self.fits: list[Fit] = []
         self.explanation: Effect | None = None  # leaves only noise, at the least cost of a coarse fit
 
