@@ -49,6 +49,10 @@ class DampingLaw(Effect):
     def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
         return system.converted(self.share, 2 * np.pi * self.frequency) if self.share else system
 
+    def limiting_effects(self) -> tuple[Effect, ...]:
+        """Return the wrong loss factor that it is in a band far from its reference frequency."""
+        return (EFFECTS["loss_factor_error"]().with_parameters({"factor": 1 - self.share}),)
+
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
         """Return everywhere, of a structure that has losses."""

@@ -1,7 +1,7 @@
 """Dry friction at one DoF."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -48,7 +48,7 @@ class Friction(Effect):
         return LocalForce(
             self.at,
             lambda x: f * np.tanh(x / v),
-            lambda x: f / v / np.cosh(np.clip(x / v, -300.0, 300.0)) ** 2,
+            lambda x: f / v * (1 - np.tanh(x / v) ** 2),
             of_velocity=True,
         )
 
@@ -66,6 +66,15 @@ class Friction(Effect):
         sticking = float(np.clip(FRICTION_SCAN.sticking_ratio * motion.velocity, 1e-9, 1e3))
         forces = [min(share * viscous_force, top) for share in (1e-3, 1e-2, 1e-1, 1.0)]
         return {"force": forces, "sticking": [sticking]}
+
+    def smoothed(self, system: DynamicSystem, setup: RigSetup) -> Effect:
+        """Return friction that sticks at no velocity far below that of the motion.
+
+        Coulomb friction proper takes five times as long to step through, and scatters alike.
+        """
+        assert isinstance(self.at, Dof)
+        least = FRICTION_SCAN.least_sticking_ratio * likely_motion(system, setup, self.at).velocity
+        return replace(self, sticking=least) if 0 < self.sticking < least else self
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:

@@ -29,6 +29,7 @@ class GroundSpring(Effect):
     summary: ClassVar[str] = "spring to the ground that the model lacks"
     stage: ClassVar[Stage] = Stage.STRUCTURE
     structural: ClassVar[bool] = True
+    similar_kinds: ClassVar[tuple[str, ...]] = ("suspension",)
     same_in_all_runs: ClassVar[bool] = True
     allowed_places: ClassVar[tuple[type, ...]] = (Dof,)
     stiffness: float = parameter(

@@ -20,6 +20,15 @@ from modallab.rig.mounting import reading
 from modallab.rig.setup import AcquisitionRun, RigSetup
 
 
+def _across(system: DynamicSystem, axis: Dof) -> list[Dof]:
+    """Return the translations of the node of an accelerometer across its axis."""
+    return [
+        dof
+        for dof in system.dofs
+        if dof.node == axis.node and dof.translational and dof.direction != axis.direction
+    ]
+
+
 @EFFECTS.register("mounted_resonance")
 @dataclass(frozen=True)
 class MountedResonance(Effect):
@@ -28,8 +37,8 @@ class MountedResonance(Effect):
     r = f/f_0. The accelerometer vibrates on the spring of its mounting, and reads its own motion: 12.5 % too
     much at f_0/3 and 4.2 % at f_0/5; rules of thumb state 10 % and 5 %. Serridge and Licht, Piezoelectric
     Accelerometers and Vibration Preamplifiers (1987), chapter 2. Its mass m loads the structure through the
-    same spring, along its axis: with m (1 + i loss r)/(1 - r^2 + i loss r). Mountings above 20 kHz load it
-    as rigid ones do.
+    same spring, along its axis: with m (1 + i loss r)/(1 - r^2 + i loss r); across it as a rigid mass, or
+    in the same way. Mountings above 20 kHz load it as rigid ones do.
     """
 
     kind: ClassVar[str] = "mounted_resonance"
@@ -47,15 +56,31 @@ class MountedResonance(Effect):
     loss: float = parameter(
         0.05, unit="1", lower=1e-3, upper=1.0, absent=None, doc="twice the damping ratio of the mounting"
     )
+    transverse: float = parameter(
+        0.0,
+        unit="1",
+        lower=0.0,
+        upper=1.0,
+        absent=None,
+        doc="share of the mass that resonates across the axis too; 0: the mounting is rigid there",
+        alternative=1.0,
+    )
 
     def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
         if not acquisition_run.accelerometer_mass or self.frequency > MOUNTING.rigid_frequency:
             return system
-        displaced = dict(acquisition_run.displaced_accelerometers)
+        displaced, mass = dict(acquisition_run.displaced_accelerometers), acquisition_run.accelerometer_mass
         for dof in acquisition_run.outputs:
             if self.acts_on(dof) and dof.node not in displaced:
-                system = system.attach(self._on_spring(system, dof, acquisition_run.accelerometer_mass))
+                system = system.attach(self._on_spring(system, dof, mass))
+                for across in _across(system, dof) if self.transverse else ():
+                    system = system.attach(self._on_spring(system, across, self.transverse * mass))
         return system
+
+    def variants(self, system: DynamicSystem) -> tuple[Self, ...]:
+        """Return the other choice of a resonance across the axis, where a node moves so."""
+        moves = len({dof.direction for dof in system.dofs if dof.translational}) > 1
+        return super().variants(system) if moves else ()
 
     def _on_spring(self, system: DynamicSystem, dof: Dof, mass: float) -> Attachment:
         """Return the mass on its spring less the mass that is attached already."""

@@ -212,6 +212,12 @@ class FrictionScan(Settings):
         doc="sticking velocity over the rms of the velocity",
         tuned="simulated tests of the suite",
     )
+    least_sticking_ratio: float = setting(
+        0.005,
+        unit="1",
+        doc="least sticking velocity of simulated tests, over the rms of the velocity",
+        derived="a motion is slower during 0.4 % of its time",
+    )
 
 
 @dataclass(frozen=True)

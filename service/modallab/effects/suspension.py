@@ -39,6 +39,7 @@ class SuspensionStiffness(Effect):
     summary: ClassVar[str] = "elastic bands on a nominally free structure"
     stage: ClassVar[Stage] = Stage.STRUCTURE
     same_in_all_runs: ClassVar[bool] = True
+    similar_kinds: ClassVar[tuple[str, ...]] = ("ground_spring",)
     nested_kind: ClassVar[str | None] = "ground_spring"
     allowed_places: ClassVar[tuple[type, ...]] = (Dof, Dofs)
     stiffness: float = parameter(100.0, unit="N/m", lower=0.0, upper=1e9, doc="of each band")

@@ -180,6 +180,10 @@ class Effect(Parameterised):
         """Return effects with fewer parameters that it tends to where one of its own becomes large."""
         return ()
 
+    def smoothed(self, system: DynamicSystem, setup: RigSetup) -> "Effect":
+        """Return the effect with no bend of its force sharper than random errors depend on."""
+        return self
+
     def fitted_specs(self) -> list[tuple[str, ParameterSpec, float]]:
         """Return name, specification and default of each parameter that a fit varies.
 

@@ -59,6 +59,9 @@ class ForceEquilibrium:
 
         The Newton steps leave out what each force does to later ones, which the next iteration adds.
         """
+        # A spring too steep for a step throws the motion back within it: that diverges, and is refused.
+        if len(free) == 1 and len(self._laws) == 1 and self._laws[0].of_velocity:
+            return self._force_of_step(free, last), True
         force = np.broadcast_to(last, free.shape)
         for _ in range(TIME_STEPPING.newton_iterations):
             later = self._motions(force, 0, len(free)) if len(free) > 1 else 0.0
@@ -67,6 +70,37 @@ class ForceEquilibrium:
             if np.abs(change).max() <= TIME_STEPPING.force_tolerance * np.abs(force).max():
                 return force, True
         return force, False
+
+    def _force_of_step(self, free: FloatArray, last: FloatArray) -> FloatArray:
+        """Return the force of one law of the velocity at the end of one step, shaped as `free`.
+
+        Newton steps of the velocity between bounds on whose sides the imbalance has opposite signs: where a
+        law bends sharply, as friction that sticks, free steps jump from one side to the other for ever. In
+        place of one that leaves the bounds, or is no shorter than half the last one, the next one is rest, if
+        that lies between the bounds, as friction is steepest there, or halfway. Press et al., Numerical
+        Recipes, 3rd ed. (2007), section 9.4.
+        """
+        law, compliance, line = self._laws[0], self._compliance, self._lines
+        x = free + compliance * last
+        low, high = np.full(x.shape, -np.inf), np.full(x.shape, np.inf)
+        last_size = high
+        for _ in range(TIME_STEPPING.bracketed_iterations):
+            resistance = law.law(x) - line * x
+            imbalance = x - free + compliance * resistance
+            step = imbalance / (1 + compliance * (law.slope(x) - line))
+            size = np.abs(step)
+            too_long = size > TIME_STEPPING.force_tolerance * compliance * np.abs(resistance).max()
+            if not too_long.any():
+                break
+            below = imbalance < 0
+            low, high = np.where(below, x, low), np.where(below, high, x)
+            new = x - step
+            astray = too_long & ((new <= low) | (new >= high) | (size > last_size / 2))
+            if astray.any():
+                between = np.where((low < 0) & (high > 0), 0.0, (low + high) / 2)
+                new = np.where(astray & np.isfinite(between), between, new)
+            x, last_size = new, size
+        return np.asarray((x - free) / compliance)
 
     def _motions(self, force: FloatArray, start: int, end: int) -> FloatArray:
         """Return the motions (end - start, ...) from one step to another due to the forces of earlier ones.

@@ -151,6 +151,12 @@ class TimeSteppingSettings(Settings):
         doc="Newton iterations on the forces of some steps, before half as many steps are solved for",
         tuned="cubic springs, friction and rattle: fewer steps at a time converge in fewer",
     )
+    bracketed_iterations: int = setting(
+        60,
+        unit="iterations",
+        doc="Newton iterations or bisections of the motion at the end of one step",
+        derived="bisections alone would gain 2^-50, the rounding of the motion, in 50",
+    )
     force_tolerance: float = setting(
         1e-10,
         unit="1",

@@ -81,3 +81,16 @@ def test_a_member_that_is_changed_follows_the_mixed_law() -> None:
 
 def test_a_structure_without_loss_follows_no_law() -> None:
     assert DampingLaw.places(assemble(steel_beam(StructuralDamping())), rig(1)) == ()
+
+
+@pytest.mark.parametrize(("law", "frequency"), [(HYSTERETIC, 1e5), (VISCOUS, 0.5)], ids=["above", "below"])
+def test_far_outside_the_band_it_is_a_wrong_loss_factor(law: Damping, frequency: float) -> None:
+    effect = DampingLaw(share=0.6, frequency=frequency)
+    (limit,) = effect.limiting_effects()
+    assert (limit.kind, limit.parameters) == ("loss_factor_error", {"factor": 0.4})
+    system = assemble(steel_beam(law))
+    found, alone, bare = (
+        chain(system, rig(1, 7, 16), effects).respond(FREQ).inertance for effects in ([effect], [limit], [])
+    )
+    # The other law dissipates at most 700 / 1e5 or 0.5 / 10 of what it would at its reference frequency.
+    assert np.linalg.norm(found - alone) < 0.1 * np.linalg.norm(bare - alone)

@@ -89,3 +89,14 @@ def test_coherence_drops_at_resonance_by_what_the_arcsine_law_leaves() -> None:
     # The share is next order, half of it in force; the sine that comes with rho's cosine; the series of the
     # arcsine ends at 200 orders, 2 % of all that is left, most of that far from the resonance.
     assert 1 / g2[at] - 1 == pytest.approx(noise / density, rel=0.02)
+
+
+def test_simulated_tests_are_of_friction_that_sticks_no_sooner_than_random_errors_tell() -> None:
+    setup, system = periodic(), oscillator.system()
+    usual = Friction(TIP, 0.5, 0.1 * velocity(setup))
+    assert usual.smoothed(system, setup) is usual
+    sharp = Friction(TIP, 0.5, 1e-7 * velocity(setup)).smoothed(system, setup)
+    assert isinstance(sharp, Friction)
+    assert sharp.force == 0.5
+    # the velocity lacks what lies above the band and within a line
+    assert sharp.sticking == pytest.approx(0.005 * velocity(setup), rel=0.01)

@@ -3,12 +3,16 @@
 import numpy as np
 import pytest
 
+from modallab.core.arrays import FloatArray
+from modallab.core.dof import Dof
 from modallab.core.place import Channels
 from modallab.effects.mounted_resonance import MountedResonance
+from modallab.fe.assembly import assemble
 from modallab.rig.chain import chain
 from modallab.rig.effect import Effect
 from modallab.rig.hardware import Accelerometers
-from tests.rigs import beam_system, dofs, rig
+from modallab.rig.setup import RigSetup
+from tests.rigs import beam_system, dofs, rig, tilted_beam
 
 SETUP = rig(1, 7, 16)
 
@@ -61,3 +65,26 @@ def test_declared_mountings_ring_where_handbooks_say(mounting: str, frequency: f
 def test_a_mounted_frequency_alone_is_enough() -> None:
     (effect,) = MountedResonance.from_setup(rig(7, accelerometers=Accelerometers(mounted_frequency=4e3)))
     assert effect.frequency == 4e3
+
+
+def across(transverse: float) -> FloatArray:
+    """Return the magnitude of the FRF across a beam at a slope, over that of the beam laid level."""
+    effect = MountedResonance(frequency=300.0, loss=0.1, transverse=transverse)
+    freq, accelerometers = np.linspace(20.0, 400.0, 60), Accelerometers(mass=0.05, roving=True)
+    responses = (Dof(7, "X"), Dof(7, "Y"))
+    tilted = RigSetup(dofs(1), responses, accelerometers=accelerometers)
+    by_axis = chain(assemble(tilted_beam()), tilted, [effect]).respond(freq).inertance[:, :, 0, 0]
+    level = rig(7, accelerometers=accelerometers)
+    # A force along Y is 0.8 of one across the beam; its motion has the axes -0.6 X and 0.8 Y.
+    wanted = 0.8 * chain(beam_system(), level, [effect]).respond(freq).inertance[0, :, 0, 0]
+    return np.asarray(np.abs((0.8 * by_axis[1] - 0.6 * by_axis[0]) / wanted))
+
+
+def test_a_mounting_that_gives_way_in_all_directions_does_not_care_for_the_axis() -> None:
+    np.testing.assert_allclose(across(1.0), 1.0, rtol=1e-6)  # rounding of modes
+    assert np.abs(across(0.0) - 1).max() > 0.05
+
+
+def test_a_beam_that_moves_across_alone_has_no_other_choice() -> None:
+    assert MountedResonance().variants(beam_system()) == ()
+    assert MountedResonance().variants(assemble(tilted_beam())) == (MountedResonance(transverse=1.0),)

@@ -11,12 +11,13 @@ N_STEPS, N_RECORDS = 32, 5
 COMPLIANCE = 1e-4  # m/N within a step
 
 
-def law(stiffness: float, bend: float) -> LocalForce:
-    """A spring that saturates at motions beyond `bend`, m."""
+def law(stiffness: float, bend: float, *, of_velocity: bool = False) -> LocalForce:
+    """A spring that saturates at motions beyond `bend`, m, or friction beyond `bend`, m/s."""
     return LocalForce(
         Dof(1, "Y"),
         lambda x: stiffness * bend * np.tanh(x / bend),
-        lambda x: stiffness / np.cosh(x / bend) ** 2,
+        lambda x: stiffness * (1 - np.tanh(x / bend) ** 2),
+        of_velocity=of_velocity,
     )
 
 
@@ -50,6 +51,20 @@ def test_every_force_is_in_equilibrium_with_all_motions(n_run: int, n_forces: in
     wanted = -(one.law(x) - one.linearised(0.01).slope * x)
     # the tolerance of the iterations, and what they would still change
     assert_allclose(found, wanted, rtol=0, atol=1e-8 * np.abs(wanted).max())
+
+
+@pytest.mark.parametrize("bend", [1e-4, 1e-6, 1e-8])
+def test_a_force_that_sticks_within_a_step_is_in_equilibrium(bend: float) -> None:
+    """Newton steps jumped from one side of rest to the other: half the forces of dry friction were wrong."""
+    one, answer = law(5.0 / bend, bend, of_velocity=True), response(1, 1, 0.0)
+    runs, free = linearised(one, 1, 1), motions(1, 1)  # 5 N: 0.7 mm/s within a step, of 10 mm/s
+    found = ForceEquilibrium(runs, answer).forces(free, np.zeros(free.shape[1:]))
+    x = free + answer[0].item() * np.cumsum(found, axis=0)
+    assert (np.abs(x) < 5 * bend).any()
+    assert (np.abs(x) > 50 * bend).any()
+    wanted = -(one.law(x) - one.linearised(0.01).slope * x)
+    # rounding of motions of 1e-2 m, times the slope of the law; and the tolerance of the iterations
+    assert_allclose(found, wanted, rtol=0, atol=2e-18 * 5.0 / bend + 1e-5)
 
 
 def test_the_last_steps_of_a_record_may_be_fewer_than_a_block() -> None:

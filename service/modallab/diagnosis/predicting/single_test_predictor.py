@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
+from operator import is_
 from typing import Any
 
 import numpy as np
@@ -292,9 +293,13 @@ class SingleTestPredictor:
         effects: Sequence[Effect],
         repeats: int | None = None,
     ) -> VarianceFactors | None:
+        smoothed = [effect.smoothed(self.system, self.setup) for effect in effects]
+        if not all(map(is_, smoothed, effects)):
+            measuring_chain = self.chain(smoothed)
+            spectra = expected_spectra(measuring_chain)
         n_before = self.simulated.n_simulated
         noise = partial(self._open_noise, spectra)
-        factors = self.simulated.factors(measuring_chain, spectra, effects, noise=noise, repeats=repeats)
+        factors = self.simulated.factors(measuring_chain, spectra, smoothed, noise=noise, repeats=repeats)
         cost = PREDICTION.stepping_cost * len(measuring_chain.runs[0].local_forces)
         self.budget.spend(cost * (self.simulated.n_simulated - n_before))
         return factors

@@ -240,8 +240,8 @@ class _Round:
         return self._candidates.get(kind_and_place(found.effects[-1]), (np.inf, found.effects[-1]))
 
     def _fit_similar_kinds(self) -> None:
-        """Fit what acts much as the best effect does, where it touches that, while none explains the test."""
-        if not self.fits or self.explanation is not None:
+        """Fit what acts much as the best effect does, where it touches that."""
+        if not self.fits:
             return
         predictor, best = self._predictor, min(self.fits, key=Fit.bic_between_kinds)
         similar = [

@@ -33,6 +33,7 @@ from modallab.effects.force_transducer_mass import ForceTransducerMass
 from modallab.effects.ground_spring import GroundSpring
 from modallab.effects.loss_factor_error import LossFactorError
 from modallab.effects.stiffness_error import StiffnessError
+from modallab.effects.suspension import SuspensionStiffness
 from modallab.rig.effect import Effect
 from tests.diagnosing import draw_measurement, predicting, rig
 
@@ -106,6 +107,22 @@ def test_a_mass_at_the_end_of_the_member_that_is_nearest_to_it_is_fitted(
     best, *_ = fit_candidates(predictor, fit(predictor, ()), suspects, progress=silent)
     assert (best.effects[-1].kind, best.effects[-1].at) == (hidden.kind, hidden.at)
     assert best.effects[-1].parameters["mass"] == pytest.approx(0.1, rel=0.01)  # noise of 1e-4
+
+
+def test_beside_an_explanation_what_acts_much_like_it_is_fitted_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A band at the end of a beam was `explained` by a spring without loss: other bands were fitted."""
+    hidden = SuspensionStiffness(Dof(1, "Y"), 2000.0, 0.2)
+    predictor, _ = predicting(draw_measurement(rig(), [hidden]))
+    base, spring, band = fit(predictor, ()), GroundSpring(Dof(1, "Y")), SuspensionStiffness(Dof(1, "Y"))
+
+    def without_bands_at_first(*given: Any) -> list[StartingPoint]:
+        return [] if spring in given[2] else scan(*given)
+
+    monkeypatch.setattr(module, "scan", without_bands_at_first)
+    known = fit(predictor, (spring,), near=base)
+    best, *_ = fit_candidates(predictor, base, Suspects([spring, band]), progress=silent, explanation=known)
+    assert (best.effects[-1].kind, best.effects[-1].at) == (hidden.kind, hidden.at)
+    assert best.effects[-1].parameters["loss_factor"] == pytest.approx(0.2, rel=0.05)  # noise of 1e-4
 
 
 def test_of_a_model_wrong_everywhere_a_fit_begins_at_the_declared_values_too(
