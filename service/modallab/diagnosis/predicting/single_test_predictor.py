@@ -3,7 +3,6 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
-from operator import is_
 from typing import Any
 
 import numpy as np
@@ -17,6 +16,7 @@ from modallab.diagnosis.predicting.decayed_prediction import decayed_predictions
 from modallab.diagnosis.predicting.model_state import DeviatingModel
 from modallab.diagnosis.predicting.prediction_budget import PredictionBudget, no_heartbeat
 from modallab.diagnosis.predicting.settings import PREDICTION
+from modallab.diagnosis.predicting.simulated_errors import simulated_factors, simulated_variance_ratios
 from modallab.diagnosis.residuals.channel_noise import ChannelNoise
 from modallab.diagnosis.residuals.free_levels import at_level_of
 from modallab.diagnosis.residuals.levels_in_use import (
@@ -28,11 +28,9 @@ from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.predicted import Predicted, VarianceRatios
 from modallab.diagnosis.residuals.residual import Residual, residual
 from modallab.diagnosis.residuals.settings import FREE_LEVELS
-from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.modes import ModalBasis
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
-from modallab.rig.added_noise import AddedNoise
 from modallab.rig.chain import Chain, chain
 from modallab.rig.distortion import ResidualSpectra, residual_spectra
 from modallab.rig.effect import Effect
@@ -41,12 +39,11 @@ from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.expected import derivative_kernel, expected_spectra
 from modallab.rig.free_decay import has_decayed
 from modallab.rig.leakage_kernel import LeakageKernel
-from modallab.rig.periodic_variance import VarianceFactors, periodic_factors
+from modallab.rig.periodic_variance import periodic_factors
 from modallab.rig.record_correlation import correlated_excess_variance
 from modallab.rig.run import Run
 from modallab.rig.setup import RigSetup
 from modallab.rig.simulated_variance import SimulatedVariance, is_intermittent
-from modallab.rig.spectrum_settings import SIMULATED_VARIANCE
 
 
 @dataclass(frozen=True, eq=False)
@@ -247,7 +244,7 @@ class SingleTestPredictor:
         if excitation.deterministic:
             factors = partial(periodic_factors, measuring_chain, at_level_of(expected, spectra))
         elif intermittent:
-            factors = partial(self._simulated_factors, measuring_chain, expected, effects)
+            factors = partial(simulated_factors, self, measuring_chain, expected, effects)
         return Predicted.of(
             spectra,
             partial(correlated_excess_variance, measuring_chain, spectra) if leaking else None,
@@ -279,37 +276,7 @@ class SingleTestPredictor:
 
     def simulate_variance(self, effects: Sequence[Effect]) -> VarianceRatios | None:
         """Return variance ratios of simulated tests with distortion in bursts; None without bursts."""
-        if not is_intermittent(effects, self.setup):
-            return None
-        measuring_chain = self.chain(effects)
-        spectra, n_tests = expected_spectra(measuring_chain), SIMULATED_VARIANCE.n_tests
-        factors = self._simulated_factors(measuring_chain, spectra, effects, n_tests)
-        return None if factors is None else VarianceRatios.of(factors, spectra).at(self.lines)
-
-    def _simulated_factors(
-        self,
-        measuring_chain: Chain,
-        spectra: CrossSpectra,
-        effects: Sequence[Effect],
-        repeats: int | None = None,
-    ) -> VarianceFactors | None:
-        smoothed = [effect.smoothed(self.system, self.setup) for effect in effects]
-        if not all(map(is_, smoothed, effects)):
-            measuring_chain = self.chain(smoothed)
-            spectra = expected_spectra(measuring_chain)
-        n_before = self.simulated.n_simulated
-        noise = partial(self._open_noise, spectra)
-        factors = self.simulated.factors(measuring_chain, spectra, smoothed, noise=noise, repeats=repeats)
-        cost = PREDICTION.stepping_cost * len(measuring_chain.runs[0].local_forces)
-        self.budget.spend(cost * (self.simulated.n_simulated - n_before))
-        return factors
-
-    def _open_noise(self, spectra: CrossSpectra) -> AddedNoise | None:
-        """Return the noise that the log book leaves open, as it is fitted beside expected spectra."""
-        if not self.observed.free_levels.noise:
-            return None
-        noisy = self.observed.with_levels(spectra, self.lines)
-        return AddedNoise.between(spectra, at_level_of(spectra, noisy))
+        return simulated_variance_ratios(self, effects)
 
     def linearisation_at(
         self, effects: Sequence[Effect], *, same_distortion: bool = False
