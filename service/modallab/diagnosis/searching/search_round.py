@@ -191,6 +191,8 @@ class _Round:
         for kind in self._best_kinds():
             explored: set[tuple[str, str]] = set()
             while (found := next_equivalent(self.fits, kind, explored)) is not None:
+                if explored and found.bic >= self._base.bic:  # what changes nothing does as well everywhere
+                    break
                 explored.add(kind_and_place(found.effects[-1]))
                 for effect in neighbouring_effects(found.effects[-1], self._predictor.system):
                     if self._is_budget_spent:
