@@ -93,14 +93,15 @@ class IntegratedResponse(Effect):
 
         Of an integration ln(H'/H) = ln(factor) - ln(omega) - i pi/2: its real part over its imaginary part is
         a line over ln(omega) of slope 2/pi, whatever the factor, and whatever the random error of a line.
-        The lower half of the lines counts alone too: noise drowns a displacement at high frequencies.
+        The lower half of the lines counts alone too, and half of those, to the lowest eighth: noise drowns a
+        displacement at high frequencies.
         """
         residual, lines = evidence.frf, (evidence.freq > 0)[:, None] & (evidence.weight > 0)
         turned = np.maximum(np.abs(residual.imag), SAFE_DIVISOR)
         ratio = np.where(lines & (residual.imag != 0), 0.5 * np.pi * residual.real / turned, np.nan)
         course = np.log(np.maximum(evidence.freq, SAFE_DIVISOR))[:, None]
-        half = len(course) // 2
-        return max(_suspicion(ratio, course), _suspicion(ratio[:half], course[:half]))
+        ends = [len(course) // parts for parts in (1, 2, 4, 8)]
+        return max(_suspicion(ratio[:end], course[:end]) for end in ends)
 
 
 def _suspicion(ratio: FloatArray, course: FloatArray) -> float:

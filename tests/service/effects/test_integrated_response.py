@@ -138,3 +138,8 @@ def test_a_displacement_in_millimetres_is_found_by_name_where_noise_drowns_its_u
     kinds = ["integrated_response", "gain_error", "polarity", "mounted_resonance"]
     (step,) = diagnose(model(), measured, suspects=kinds, hold_out=list(dofs(2))).steps
     assert (step.effect.kind, step.effect.parameters["integrations"].value) == ("integrated_response", 2.0)
+
+
+@pytest.mark.parametrize("noise", [1e-5, 1e-4, 3e-4])
+def test_a_displacement_is_looked_for_where_noise_drowns_all_but_its_lowest_lines(noise: float) -> None:
+    assert suspicion([IntegratedResponse(OTHER, 2.0)], noise) > DIAGNOSIS.least_suspicion

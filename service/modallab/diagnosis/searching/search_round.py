@@ -167,13 +167,14 @@ class _Round:
     ) -> Iterator[tuple[Effect, float]]:
         """Yield the coarse fits from starting points with their costs.
 
-        Where two starts of an effect lead to the same cost, far above another's, a third is not tried.
+        Where two starts of an effect lead to the same cost, far above another's, a third is not tried; unless
+        they differ in a choice, which no fit varies.
         """
-        costs: dict[tuple[str, str], list[float]] = {}
+        costs: dict[tuple[object, ...], list[float]] = {}
         lowest = np.inf
         for i, start in enumerate(starts):
             progress(i / len(starts), f"approaching {start.effect.kind}")
-            known = costs.setdefault(kind_and_place(start.effect), [])
+            known = costs.setdefault((*kind_and_place(start.effect), *_choices(start.effect)), [])
             low, high = (min(known[-2:]), max(known[-2:])) if len(known) > 1 else (0.0, np.inf)
             if low > ROUND.hopeless_cost * lowest and high < (1 + ROUND.same_cost) * low:
                 continue
@@ -317,6 +318,12 @@ class _Round:
     def _explains(self, candidate: Fit) -> bool:
         # Gaps cost more than a fit where power leaks, and only those of fits near the data matter.
         return candidate.is_near_data and has_no_lack_of_fit(self._predictor, self._base, candidate)
+
+
+def _choices(effect: Effect) -> list[tuple[str, float]]:
+    """Return the parameters that a fit of an effect does not vary, with their values."""
+    fitted = {name for name, _, _ in effect.fitted_specs()}
+    return [(name, value) for name, value in effect.parameters.items() if name not in fitted]
 
 
 def _worth_fitting(candidates: Iterable[tuple[float, Effect]]) -> list[tuple[float, Effect]]:

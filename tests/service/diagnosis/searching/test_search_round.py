@@ -31,6 +31,7 @@ from modallab.effects.density_error import DensityError
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.force_transducer_mass import ForceTransducerMass
 from modallab.effects.ground_spring import GroundSpring
+from modallab.effects.joint_flexibility import JointFlexibility
 from modallab.effects.loss_factor_error import LossFactorError
 from modallab.effects.stiffness_error import StiffnessError
 from modallab.effects.suspension import SuspensionStiffness
@@ -369,6 +370,23 @@ def test_a_third_start_is_not_tried_where_two_lead_to_the_same_high_cost(
     fit_candidates(predictor, fit(predictor, ()), Suspects([hidden, other]), progress=silent)
     assert tried.count("stiffness_error") == 2
     assert tried.count("extra_mass") == 4
+
+
+def test_starts_that_differ_in_a_choice_are_all_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    hidden = ExtraMass(Dof(5, "Y"), 0.1)
+    choices = [JointFlexibility(Dof(8, "RZ"), 1e-6, consistent_mass=mass) for mass in (1.0, 1.0, 0.0)]
+    starts = [StartingPoint(effect, 0.03) for effect in (hidden, *choices)]
+    monkeypatch.setattr(module, "scan", lambda *_: starts)
+    tried: list[Effect] = []
+
+    def recorded(*given: Any) -> tuple[Effect, float]:
+        tried.append(given[2])
+        return coarse_fit(*given)
+
+    monkeypatch.setattr(module, "coarse_fit", recorded)
+    predictor, _ = predicting(draw_measurement(rig(), [hidden]))
+    fit_candidates(predictor, fit(predictor, ()), Suspects([hidden, choices[0]]), progress=silent)
+    assert choices[2] in tried
 
 
 def test_what_the_best_effect_tends_to_is_fitted_from_there(monkeypatch: pytest.MonkeyPatch) -> None:
