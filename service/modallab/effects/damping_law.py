@@ -50,7 +50,7 @@ class DampingLaw(Effect):
         return system.converted(self.share, 2 * np.pi * self.frequency) if self.share else system
 
     def limiting_effects(self) -> tuple[Effect, ...]:
-        """Return the wrong loss factor that it is in a band far from its reference frequency."""
+        """Return the loss factor error that it tends to where the reference frequency leaves the band."""
         return (EFFECTS["loss_factor_error"]().with_parameters({"factor": 1 - self.share}),)
 
     @classmethod

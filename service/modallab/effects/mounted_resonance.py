@@ -20,15 +20,6 @@ from modallab.rig.mounting import reading
 from modallab.rig.setup import AcquisitionRun, RigSetup
 
 
-def _across(system: DynamicSystem, axis: Dof) -> list[Dof]:
-    """Return the translations of the node of an accelerometer across its axis."""
-    return [
-        dof
-        for dof in system.dofs
-        if dof.node == axis.node and dof.translational and dof.direction != axis.direction
-    ]
-
-
 @EFFECTS.register("mounted_resonance")
 @dataclass(frozen=True)
 class MountedResonance(Effect):
@@ -73,8 +64,9 @@ class MountedResonance(Effect):
         for dof in acquisition_run.outputs:
             if self.acts_on(dof) and dof.node not in displaced:
                 system = system.attach(self._on_spring(system, dof, mass))
-                for across in _across(system, dof) if self.transverse else ():
-                    system = system.attach(self._on_spring(system, across, self.transverse * mass))
+                for other in system.translations(dof.node) if self.transverse else ():
+                    if other.direction != dof.direction:
+                        system = system.attach(self._on_spring(system, other, self.transverse * mass))
         return system
 
     def variants(self, system: DynamicSystem) -> tuple[Self, ...]:

@@ -181,7 +181,7 @@ class Effect(Parameterised):
         return ()
 
     def smoothed(self, system: DynamicSystem, setup: RigSetup) -> "Effect":
-        """Return the effect with no bend of its force sharper than random errors depend on."""
+        """Return the effect without details that simulated random errors do not depend on; here itself."""
         return self
 
     def fitted_specs(self) -> list[tuple[str, ParameterSpec, float]]:
